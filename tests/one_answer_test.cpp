@@ -29,12 +29,12 @@ constexpr int golden_steps = 60;
 const std::vector<LaunchShape> launch_shapes{{2, 4}, {0, 0}};
 const std::vector<LaneOrder> lane_orders{LaneOrder::shuffled};
 const std::vector<int> thread_counts{2};
-constexpr int steps_per_method = 10;
+constexpr int steps_per_shape = 20, steps_per_method = 4;
 #else
 const std::vector<LaunchShape> launch_shapes{{1, 1}, {2, 4}, {16, 16}, {8, 64}, {3, 37}, {0, 0}};
 const std::vector<LaneOrder> lane_orders{LaneOrder::contiguous, LaneOrder::strided, LaneOrder::shuffled};
 const std::vector<int> thread_counts{1, 2};
-constexpr int steps_per_method = 30;
+constexpr int steps_per_shape = 40, steps_per_method = 30;
 #endif
 
 std::string hex(std::uint64_t value) {
@@ -58,7 +58,7 @@ TEST_P(OneAnswer, AtEveryLaunchShapeLaneOrderAndThreadCount) {
     scene.generators[0].radius_max = 7;
     scene.physics.precision = kind % 2 ? Precision::f64 : Precision::f32;
     scene.physics.solver = kind < 2 ? Solver::impulse : Solver::soft_step;
-    const std::string expected = hash_after(scene, options(), 40);
+    const std::string expected = hash_after(scene, options(), steps_per_shape);
     for (const LaunchShape shape : launch_shapes)
       for (const LaneOrder order : lane_orders)
         for (const int threads : thread_counts) {
@@ -67,7 +67,7 @@ TEST_P(OneAnswer, AtEveryLaunchShapeLaneOrderAndThreadCount) {
           o.shape = shape;
           o.lane_order = order;
           o.cpu_threads = threads;
-          EXPECT_EQ(hash_after(scene, o, 40), expected)
+          EXPECT_EQ(hash_after(scene, o, steps_per_shape), expected)
               << shape.blocks << " x " << shape.threads << ", order " << static_cast<int>(order) << ", "
               << threads;
         }
@@ -84,7 +84,7 @@ TEST_P(OneAnswer, OfEveryEffectAtEveryLaunchShape) {
       Scene scene = project_scene(name);
       scene.physics.precision = precision;
       scene.physics.integrator = integrator;
-      const std::string expected = hash_after(scene, options(), 40);
+      const std::string expected = hash_after(scene, options(), steps_per_shape);
       for (const LaunchShape shape : launch_shapes)
         for (const LaneOrder order : lane_orders) {
           if (GetParam() == ExecutorKind::cuda && order != lane_orders.front()) continue;
@@ -92,7 +92,7 @@ TEST_P(OneAnswer, OfEveryEffectAtEveryLaunchShape) {
           o.shape = shape;
           o.lane_order = order;
           o.cpu_threads = 2;
-          EXPECT_EQ(hash_after(scene, o, 40), expected)
+          EXPECT_EQ(hash_after(scene, o, steps_per_shape), expected)
               << name << ' ' << shape.blocks << " x " << shape.threads << ", order "
               << static_cast<int>(order);
         }

@@ -59,6 +59,18 @@ template <std::uint32_t count>
 SIM_HD void atomic_add_aggregated(std::uint64_t* targets, const std::uint64_t (&values)[count]) {
 #if defined(__CUDA_ARCH__)
   namespace groups = cooperative_groups;
+  constexpr unsigned all = 0xffffffffu;
+  int same = 0;
+  if (__activemask() == all) __match_all_sync(all, reinterpret_cast<unsigned long long>(targets), &same);
+  if (same != 0) {
+    for (std::uint32_t k = 0; k < count; ++k) {
+      auto sum = static_cast<unsigned long long>(values[k]);
+      if (__any_sync(all, sum != 0) == 0) continue;
+      for (unsigned lanes = 16; lanes > 0; lanes /= 2) sum += __shfl_xor_sync(all, sum, lanes);
+      if (threadIdx.x % 32 == 0) atomicAdd(reinterpret_cast<unsigned long long*>(targets + k), sum);
+    }
+    return;
+  }
   const auto group =
       groups::labeled_partition(groups::coalesced_threads(), reinterpret_cast<unsigned long long>(targets));
   for (std::uint32_t k = 0; k < count; ++k) {

@@ -22,6 +22,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
       parent_(executor, "energy guard islands"),
       scale_(executor, "energy guard scales"),
       terms_(executor, "energy guard terms"),
+      changes_(executor, "energy guard changes"),
       sums_(executor, "energy guard sums"),
       exempt_(executor, "energy guard exemptions"),
       grounded_(executor, "energy guard ground"),
@@ -41,6 +42,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
   parent_.resize_discarding(n);
   scale_.resize_discarding(n);
   terms_.resize_discarding(n);
+  changes_.resize_discarding(n);
   sums_.resize_discarding(std::size_t{EnergyTerms::count} * n);
   exempt_.resize_discarding(n);
   grounded_.resize_discarding(n);
@@ -50,7 +52,8 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
 }
 
 template <class Real>
-void EnergyGuard<Real>::apply(Real h, const GuardedContacts<Real>& contacts, std::int64_t contact_capacity) {
+void EnergyGuard<Real>::apply(Real h, bool is_first_substep, const GuardedContacts<Real>& contacts,
+                              std::int64_t contact_capacity) {
   executor_.run_rounds(
       "relax", GuardRounds<Real>::rounds, std::max(scene_.body_count, contact_capacity),
       GuardRounds<Real>{scene_.bodies,
@@ -63,6 +66,7 @@ void EnergyGuard<Real>::apply(Real h, const GuardedContacts<Real>& contacts, std
                         scene_.gravity,
                         scene_.effects.attractor ? scene_.field : nullptr,
                         scene_.effects.gravity || scene_.effects.attractor,
+                        is_first_substep,
                         h,
                         contacts,
                         scene_.planes,
@@ -82,6 +86,7 @@ void EnergyGuard<Real>::apply(Real h, const GuardedContacts<Real>& contacts, std
                         parent_.data(),
                         scale_.data(),
                         terms_.data(),
+                        changes_.data(),
                         sums_.data(),
                         exempt_.data(),
                         grounded_.data(),

@@ -33,13 +33,14 @@
 // because free flight is exact.
 //
 // An island is a set of dynamic bodies that are connected by contacts that have pressed in the step, or by
-// joints. Springs are forces like gravity: their impulses S are not part of d; they do the work S . (w + v) /
-// 2, where v is the velocity at the end. Islands are found only in substeps in which G of the whole scene is
-// positive, within a tolerance: an island can gain energy while others lose more. Bodies with springs only
-// are exempt: the energy of a spring varies within a period, and a limit from one side would damp it. Groups
-// of joints are exempt while they touch nothing; then they conserve energy (joint_tree_solver.h) or have a
-// limit of their own (joint_loops.h). Islands with contacts to moving kinematic bodies are exempt, because
-// these do work on bodies.
+// joints. The sets only grow within a step, so a substep starts with those of the last one. Springs are
+// forces like gravity: their impulses S are not part of d; they do the work S . (w + v) / 2, where v is the
+// velocity at the end. Islands are found only in substeps in which G of the whole scene is positive, within a
+// tolerance: an island can gain energy while others lose more. Bodies with springs only are exempt: the
+// energy of a spring varies within a period, and a limit from one side would damp it. Groups of joints are
+// exempt while they touch nothing; then they conserve energy (joint_tree_solver.h) or have a limit of their
+// own (joint_loops.h). Islands with contacts to moving kinematic bodies are exempt, because these do work on
+// bodies.
 //
 // Sums per island are sums of 64-bit integers, in units of the island's largest term, so that they do not
 // depend on the order. All stages are rounds of one launch.
@@ -72,6 +73,12 @@ struct GuardedContacts {
   const std::uint8_t* asleep;            ///< by body, or null
 };
 
+/// Impulses of the contacts of a body, as they act at the current positions.
+template <class Real>
+struct ContactChange {
+  Vector3<Real> impulse, moment;  ///< N s, N m s
+};
+
 template <class Real>
 class EnergyGuard {
  public:
@@ -91,8 +98,9 @@ class EnergyGuard {
   /// Largest number of removals, and number of partial sums of the scene's G.
   static constexpr int removals = 6, total_slots = 64;
 
-  /// Call at the end of a substep of `h` s. `contacts`: at most `contact_capacity`.
-  void apply(Real h, const GuardedContacts<Real>& contacts, std::int64_t contact_capacity);
+  /// Call at the end of each substep of `h` s. `contacts`: at most `contact_capacity`.
+  void apply(Real h, bool is_first_substep, const GuardedContacts<Real>& contacts,
+             std::int64_t contact_capacity);
 
  private:
   Executor& executor_;
@@ -100,13 +108,14 @@ class EnergyGuard {
   Buffer<PackedVector3<Real>> start_velocity_, start_spin_;
   Buffer<Real> start_rotation_;
   Buffer<PackedVector3<Real>> moved_velocity_;
-  Buffer<double> gains_;               ///< by body, see GuardRounds
-  Buffer<std::uint32_t> largest_;      ///< see GuardRounds
-  Buffer<std::uint64_t> total_;        ///< see GuardRounds
-  Buffer<std::uint32_t> flags_;        ///< see GuardRounds::flags
-  Buffer<std::uint32_t> parent_;       ///< by body
-  Buffer<std::uint32_t> scale_;        ///< by root: bits of the largest term, J (float)
-  Buffer<EnergyTerms> terms_;          ///< by body
+  Buffer<double> gains_;           ///< by body, see GuardRounds
+  Buffer<std::uint32_t> largest_;  ///< see GuardRounds
+  Buffer<std::uint64_t> total_;    ///< see GuardRounds
+  Buffer<std::uint32_t> flags_;    ///< see GuardRounds::flags
+  Buffer<std::uint32_t> parent_;   ///< by body
+  Buffer<std::uint32_t> scale_;    ///< by root: bits of the largest term, J (float)
+  Buffer<EnergyTerms> terms_;      ///< by body
+  Buffer<ContactChange<Real>> changes_;
   Buffer<std::uint64_t> sums_;         ///< by root: see EnergyTerms
   Buffer<std::uint8_t> exempt_;        ///< by body: it has a joint, or touches a moving kinematic body
   Buffer<std::uint8_t> grounded_;      ///< by body: it touches a plane or a static body

@@ -29,7 +29,8 @@ struct GuardRounds {
   Vector3<Real> gravity;        ///< m/s^2
   const Vector3<Real>* field;   ///< m/s^2, by body; null without attractors
   bool with_gravity;
-  Real h;  ///< s
+  bool is_first_substep;  ///< of a step
+  Real h;                 ///< s
   GuardedContacts<Real> contacts;
   const WallPlane<Real>* planes;
   int plane_count, surfaces;
@@ -45,7 +46,8 @@ struct GuardRounds {
   std::uint64_t* total;    ///< `total_slots` partial sums of `gains`
   std::uint32_t* flags;    ///< 0: the scene gains energy; k > 0: an island does after the k-th removal
   std::uint32_t *parent, *scale;
-  EnergyTerms* terms_of;  ///< by body
+  EnergyTerms* terms_of;         ///< by body
+  ContactChange<Real>* changes;  ///< by body: what a removal takes a share from
   std::uint64_t* sums;
   std::uint8_t *exempt, *grounded;  ///< by body, then by root
   std::uint32_t* rigid_scale;       ///< by root and kind: bits of the largest value (float)
@@ -110,10 +112,7 @@ struct GuardRounds {
   static constexpr double largest_descent = 2;
   static constexpr double relative_rounding = sizeof(Real) == 4 ? 1e-6 : 1e-9;
 
-  /// Velocity changes by the contacts of a body, as they act at the current positions.
-  struct Change {
-    Vector3<Real> impulse, moment;  ///< N s, N m s
-  };
+  using Change = ContactChange<Real>;
 
   enum class Part { clear, scale_rigid, add_rigid, scale, add, remove };
 
@@ -209,6 +208,7 @@ struct GuardRounds {
   // ---- rounds ----
 
   SIM_HD void find_gain(int body) const {
+    if (is_first_substep) parent[body] = static_cast<std::uint32_t>(body);
     double& gained = gains[body];
     gained = 0;
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
@@ -245,7 +245,6 @@ struct GuardRounds {
     if (work != 0) static_impulses[body].push_work += static_cast<double>(work);
   }
   SIM_HD void begin(int body) const {
-    parent[body] = static_cast<std::uint32_t>(body);
     grounded[body] = touches_plane(body) || has_left_plane(body) ? 1 : 0;
     exempt[body] = is_exempt(body) ? 1 : 0;
   }
@@ -296,8 +295,10 @@ struct GuardRounds {
     else if (is_guarded(row.a))
       atomic_store(&grounded[row.a], std::uint8_t{1});
   }
-  /// Clears the sums. Before a step of steepest descent, computes the opposing impulses of contacts.
+  /// Clears the sums. Before the first removal, marks the roots of islands. Before a step of steepest
+  /// descent, computes the opposing impulses of contacts.
   SIM_HD void prepare(int removal, int item) const {
+    if (removal == 0 && item < body_count) mark_island(item);
     if (item < body_count) {
       scale[item] = 0;
       for (std::uint32_t k = 0; k < EnergyTerms::count; ++k)
@@ -314,6 +315,12 @@ struct GuardRounds {
     const Vector3<Real> velocity = bodies.velocity[ids.b].load() - bodies.velocity[ids.a].load();
     contacts.opposing[place] =
         has_pressed(place) ? mass * velocity.dot(contacts.soft[place].normal) : Real(0);
+  }
+  SIM_HD void mark_island(int body) const {
+    if (!is_guarded(static_cast<std::uint32_t>(body))) return;
+    const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
+    if (atomic_load(&exempt[body]) != 0) atomic_store(&exempt[root], std::uint8_t{1});
+    if (atomic_load(&grounded[body]) != 0) atomic_store(&grounded[root], std::uint8_t{1});
   }
   /// Bits of a term in RigidSums: as many as the sum of all bodies allows, at most those of a double.
   /// Momentum is conserved to the rounding of these sums.
@@ -361,11 +368,10 @@ struct GuardRounds {
   SIM_HD void find_scale(int removal, int body) const {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
+    if (exempt[root] != 0 || (grounded[root] != 0 && removal > 1 && !is_rigid(removal))) return;
     const EnergyTerms sum = terms_of[body] = terms(removal, body);
     const float size = static_cast<float>(sum.largest());
     if (is_finite(size) && size > 0) atomic_max(&scale[root], std::bit_cast<std::uint32_t>(size));
-    if (atomic_load(&exempt[body]) != 0) atomic_store(&exempt[root], std::uint8_t{1});
-    if (atomic_load(&grounded[body]) != 0) atomic_store(&grounded[root], std::uint8_t{1});
   }
   SIM_HD void add(int body) const {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
@@ -386,9 +392,10 @@ struct GuardRounds {
     if (factor < 1) {
       next = free_velocity(body) + factor * (v - free_velocity(body));
       give_to_ground(body, Vector3<Real>(next - v));
-      change_of(body, 1 - factor, false);
+      take_from_planes(body, 1 - factor, false);
     } else {
-      const Change removed = removed_of(removal, body, share);
+      const Change removed = changes[body];
+      if (removal == 0) take_from_planes(body, share, true);
       next = v - share * bodies.inverse_mass[body] * removed.impulse;
       if (is_rigid(removal) && is_grounded(body)) give_to_ground(body, Vector3<Real>(next - v));
       if (start_spin != nullptr && has_moments(removal)) {
@@ -434,7 +441,7 @@ struct GuardRounds {
   }
   SIM_HD EnergyTerms terms(int removal, int body) const {
     EnergyTerms sum = gain(body);
-    const Change removed = removed_of(removal, body, 0);
+    const Change removed = changes[body] = removed_of(removal, body);
     const Vector3<double> impulse = wide(removed.impulse);
     sum.values[3] = work_velocity(body).dot(impulse);
     sum.values[4] = wide(bodies.velocity[body].load() - free_velocity(body)).dot(impulse);
@@ -452,13 +459,12 @@ struct GuardRounds {
   }
   /// Steps of steepest descent do not change angular velocities.
   SIM_HD static bool has_moments(int removal) { return removal == 0 || is_rigid(removal); }
-  /// What the removal takes a share from. `share`: see change_of().
-  SIM_HD Change removed_of(int removal, int body, Real share) const {
-    return removal == 0 ? change_of(body, share) : is_rigid(removal) ? relative_of(body) : opposing_of(body);
+  /// What the removal takes a share from.
+  SIM_HD Change removed_of(int removal, int body) const {
+    return removal == 0 ? change_of(body) : is_rigid(removal) ? relative_of(body) : opposing_of(body);
   }
-  /// Sums the impulses at the end of the substep. `removed` > 0: also takes this share of them from the sums
-  /// of static bodies.
-  SIM_HD Change change_of(int body, Real removed, bool with_vector = true) const {
+  /// Sums the impulses at the end of the substep.
+  SIM_HD Change change_of(int body) const {
     Change sum{Vector3<Real>::Zero(), Vector3<Real>::Zero()};
     const Real radius = bodies.radius[body];
     for (std::uint32_t k = 0; control->contacts > 0 && k < contacts.by_body.count[body]; ++k) {
@@ -473,8 +479,7 @@ struct GuardRounds {
       const std::int64_t here = p * body_count + body;
       const Real impulse = contacts.plane_impulse[here];
       if (!(impulse > 0)) continue;
-      const Vector3<Real> normal =
-          p < plane_count ? planes[p].normal : contacts.box_planes[here - plane_count * body_count].normal;
+      const Vector3<Real> normal = plane_normal(p, body);
       Vector3<Real> by_plane = impulse * normal;
       if (contacts.plane_friction != nullptr) {
         const Vector3<Real> friction = contacts.plane_friction[here];
@@ -482,12 +487,24 @@ struct GuardRounds {
         sum.moment -= radius * normal.cross(friction);
       }
       sum.impulse += by_plane;
-      if (!(removed > 0)) continue;
-      static_impulses[body].impulse -= static_cast<double>(removed * impulse);
-      for (int k = 0; with_vector && k < 3; ++k)
-        static_impulses[body].vector[k] -= static_cast<double>(removed * by_plane[k]);
     }
     return sum;
+  }
+  /// Takes a share of the impulses of planes from the sums of static bodies.
+  SIM_HD void take_from_planes(int body, Real share, bool with_vector) const {
+    for (int p = 0; p < surfaces; ++p) {
+      const Real impulse = contacts.plane_impulse[p * body_count + body];
+      if (!(impulse > 0)) continue;
+      static_impulses[body].impulse -= static_cast<double>(share * impulse);
+      if (!with_vector) continue;
+      Vector3<Real> by_plane = impulse * plane_normal(p, body);
+      if (contacts.plane_friction != nullptr) by_plane += contacts.plane_friction[p * body_count + body];
+      for (int k = 0; k < 3; ++k) static_impulses[body].vector[k] -= static_cast<double>(share * by_plane[k]);
+    }
+  }
+  SIM_HD Vector3<Real> plane_normal(int surface, int body) const {
+    return surface < plane_count ? planes[surface].normal
+                                 : contacts.box_planes[(surface - plane_count) * body_count + body].normal;
   }
   /// Sums the opposing impulses.
   SIM_HD Change opposing_of(int body) const {
@@ -537,8 +554,8 @@ struct GuardRounds {
                          relative_rounding * static_cast<double>(std::bit_cast<float>(scale[root]));
     if (!(all.gain() > (removal == 0 ? 0 : error))) return {};
     EnergyCorrection correction;
-    if (removal > 0 && grounded[root] != 0 && !is_rigid(removal)) {
-      if (removal == 1) correction = all.scaled();
+    if (removal == 1 && grounded[root] != 0) {
+      correction = all.scaled();
       if (all.gain_with(correction.factor) > error)
         for (int next = removal + 1; next < removals; ++next) atomic_store(flags + next, std::uint32_t{1});
       return correction;

@@ -123,7 +123,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
                                 scene_.effects.attractor ? scene_.field : nullptr,
                                 sleeping_.asleep(),
                                 {}});
-    energy_guard_.apply(h_,
+    energy_guard_.apply(h_, substep == 0,
                         {ordered_contacts_.data(), soft_.data(), sums_.data(), uncoloured_change_.data(),
                          all_.view(colouring_.degrees()), planes_.impulse(), planes_.friction(),
                          planes_.box_planes(), sleeping_.asleep()},
