@@ -200,6 +200,36 @@ std::int64_t expect_kept(Scene scene, const RunOptions& options) {
   return split;
 }
 
+/// A hundred spheres slide on one so large that it is flat, and so heavy that it stays. Most of its contacts
+/// are mass-split.
+TEST_P(Rubbing, ManySlideOnASphereAsOnAPlane) {
+  for (const double mass : {1e-3, 1.0, 1e3})
+    for (const double mu : {0.1, 0.5}) {
+      const double v0 = 7, radius = 0.5, large = 1e4;
+      Scene scene = on_a_plane(mu, 0);
+      scene.obstacles = {Plane{Vector3d(0, 0, 1), -2 * large, 0}};
+      scene.bodies = {sphere(large, Vector3d(0, 0, -large))};
+      scene.bodies[0].mass = 1e15;
+      for (int k = 0; k < 100; ++k) {
+        const double x = 1.5 * (k / 10), y = 1.5 * (k % 10), reach = large + radius;
+        const Vector3d at(x, y, std::sqrt(reach * reach - x * x - y * y) - large);
+        scene.bodies.push_back(sphere(radius, at, Vector3d(v0, 0, -v0 * x / reach)));
+        scene.bodies.back().mass = mass;
+      }
+      World world(scene, options());
+      const int steps = 12;
+      const double slowed = mu * g * steps * scene.physics.time_step;
+      const BodyStates s = after(world, steps);
+      EXPECT_GT(world.measure().uncoloured_contacts, 50);
+      for (std::size_t body = 1; body < scene.bodies.size(); ++body) {
+        EXPECT_NEAR(s.velocity[body].x(), v0 - slowed, 0.03 * slowed)
+            << body << ", " << mass << " kg, mu " << mu;
+        EXPECT_NEAR(s.angular_velocity[body].y(), 2.5 * slowed / radius, 0.08 * slowed / radius)
+            << body << ", " << mass << " kg, mu " << mu;
+      }
+    }
+}
+
 TEST_P(Rubbing, BetweenBodiesKeepsMomentaAndLosesEnergy) {
   Scene scene = empty_space();
   Random random(7);

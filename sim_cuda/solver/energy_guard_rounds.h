@@ -46,9 +46,9 @@ struct GuardRounds {
   std::uint64_t* total;    ///< `total_slots` partial sums of `gains`
   std::uint32_t* flags;    ///< 0: the scene gains energy; k > 0: an island does after the k-th removal
   std::uint32_t *parent, *scale;
-  EnergyTerms* terms_of;         ///< by body
-  ContactChange<Real>* changes;  ///< by body: what a removal takes a share from
-  std::uint64_t* sums;
+  EnergyTerms* terms_of;            ///< by body
+  ContactChange<Real>* changes;     ///< by body: what a removal takes a share from
+  std::uint64_t* sums;              ///< by root: see EnergyTerms; partial sums by first body of a group
   std::uint8_t *exempt, *grounded;  ///< by body, then by root
   std::uint32_t* rigid_scale;       ///< by root and kind: bits of the largest value (float)
   std::uint64_t* rigid_sums;        ///< by root: RigidSums, in units of the largest value of a kind
@@ -56,8 +56,8 @@ struct GuardRounds {
   /// Removals: impulses at the end of the substep, steps of steepest descent, motion relative to the rigid
   /// motion.
   static constexpr int removals = EnergyGuard<Real>::removals;
-  static constexpr int test_rounds = 3, first_rounds = 6, rounds_per_removal = 4;
-  static constexpr int rigid_rounds = 2;
+  static constexpr int test_rounds = 3, first_rounds = 6, rounds_per_removal = 5;
+  static constexpr int rigid_rounds = 3;
   static constexpr int rounds = first_rounds + removals * rounds_per_removal + rigid_rounds;
 
   SIM_HD std::int64_t items(int round) const {
@@ -68,7 +68,9 @@ struct GuardRounds {
     if (round == 3) return body_count;
     if (round == 4) return contact_count;
     if (round == 5) return joints.count;
-    return part_of(round) == Part::clear ? max_of(body_count, contact_count) : body_count;
+    const Part part = part_of(round);
+    if (part == Part::gather || part == Part::gather_rigid) return (body_count + group - 1) / group;
+    return part == Part::clear ? max_of(body_count, contact_count) : body_count;
   }
   SIM_HD void operator()(int round, int item) const {
     switch (round) {
@@ -93,10 +95,14 @@ struct GuardRounds {
         return find_rigid_scale(item);
       case Part::add_rigid:
         return add_rigid(item);
+      case Part::gather_rigid:
+        return gather<RigidSums::count>(rigid_sums, item);
       case Part::scale:
         return find_scale(removal, item);
       case Part::add:
         return add(item);
+      case Part::gather:
+        return gather<EnergyTerms::count>(sums, item);
       case Part::remove:
         return remove(removal, item);
     }
@@ -106,6 +112,8 @@ struct GuardRounds {
   /// Bits of a term in a sum; leaves room for 2^24 terms.
   static constexpr int bits = 38;
   static constexpr int total_slots = EnergyGuard<Real>::total_slots;
+  /// Bodies whose terms are added together before they are added to the sum of the island.
+  static constexpr int group = 1024;
   /// Sums of fewer units are not resolved.
   static constexpr double resolution = 4096;
   /// Largest share of opposing impulses: twice what stops a single pair.
@@ -114,7 +122,7 @@ struct GuardRounds {
 
   using Change = ContactChange<Real>;
 
-  enum class Part { clear, scale_rigid, add_rigid, scale, add, remove };
+  enum class Part { clear, scale_rigid, add_rigid, gather_rigid, scale, add, gather, remove };
 
   SIM_HD static int removal_of(int round) {
     return round < first_rounds ? 0 : min_of((round - first_rounds) / rounds_per_removal, removals - 1);
@@ -299,12 +307,13 @@ struct GuardRounds {
   /// descent, computes the opposing impulses of contacts.
   SIM_HD void prepare(int removal, int item) const {
     if (removal == 0 && item < body_count) mark_island(item);
-    if (item < body_count) {
+    const bool has_sums = item < body_count && (is_root(item) || item % group == 0);
+    if (has_sums) {
       scale[item] = 0;
       for (std::uint32_t k = 0; k < EnergyTerms::count; ++k)
         sums[EnergyTerms::count * static_cast<std::uint32_t>(item) + k] = 0;
     }
-    if (is_rigid(removal) && item < body_count) {
+    if (is_rigid(removal) && has_sums) {
       for (std::uint32_t k = 0; k < RigidSums::kinds; ++k) rigid_scale[at(item, k, RigidSums::kinds)] = 0;
       for (std::uint32_t k = 0; k < RigidSums::count; ++k) rigid_sums[at(item, k, RigidSums::count)] = 0;
     }
@@ -316,6 +325,7 @@ struct GuardRounds {
     contacts.opposing[place] =
         has_pressed(place) ? mass * velocity.dot(contacts.soft[place].normal) : Real(0);
   }
+  SIM_HD bool is_root(int body) const { return parent[body] == static_cast<std::uint32_t>(body); }
   SIM_HD void mark_island(int body) const {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
@@ -363,7 +373,7 @@ struct GuardRounds {
       const std::uint32_t scale_bits = rigid_scale[at(root, RigidSums::kind_of(k), RigidSums::kinds)];
       if (scale_bits != 0) units[k] = in_units(terms.values[k], unit(scale_bits, rigid_bits()), rigid_bits());
     }
-    atomic_add_aggregated(&rigid_sums[at(root, 0, RigidSums::count)], units);
+    atomic_add_aggregated(&rigid_sums[at(place_of_sum(body, root), 0, RigidSums::count)], units);
   }
   SIM_HD void find_scale(int removal, int body) const {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
@@ -381,7 +391,24 @@ struct GuardRounds {
     const double one = unit(scale[root]);
     std::uint64_t units[EnergyTerms::count];
     for (std::uint32_t k = 0; k < EnergyTerms::count; ++k) units[k] = in_units(sum.values[k], one);
-    atomic_add_aggregated(&sums[EnergyTerms::count * root], units);
+    atomic_add_aggregated(&sums[at(place_of_sum(body, root), 0, EnergyTerms::count)], units);
+  }
+  /// The body at whose place the term of a body is added: the first of its group if that is in the same
+  /// island, else the root. On a GPU, atomics at the root of a large island are a bottleneck.
+  SIM_HD std::uint32_t place_of_sum(int body, std::uint32_t root) const {
+    const auto first = static_cast<std::uint32_t>(body / group * group);
+    return is_guarded(first) && root_of(parent, first) == root ? first : root;
+  }
+  /// Adds the sums of a group to those of the island.
+  template <std::uint32_t count>
+  SIM_HD void gather(std::uint64_t* sums_by_body, int number) const {
+    const auto first = static_cast<std::uint32_t>(number * group);
+    if (!is_guarded(first)) return;
+    const std::uint32_t root = root_of(parent, first);
+    if (root == first) return;
+    for (std::uint32_t k = 0; k < count; ++k)
+      if (sums_by_body[at(first, k, count)] != 0)
+        atomic_add(&sums_by_body[at(root, k, count)], sums_by_body[at(first, k, count)]);
   }
   SIM_HD void remove(int removal, int body) const {
     const EnergyCorrection correction = correction_of(removal, static_cast<std::uint32_t>(body));

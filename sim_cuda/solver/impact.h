@@ -131,7 +131,9 @@ struct Impact {
   SIM_HD Vector3<Real> solve_tangent(const SoftContact<Real>& contact, FrictionImpulse<Real>& friction,
                                      const Vector3<Real>& slip, const Mass& mass) const {
     if (!(contact.impulse > 0)) friction.impulse = Vector3<Real>::Zero();
-    return solve_friction<Real>(slip, mass, friction.coefficient * contact.impact, friction.impact);
+    // `impact` may be negative, see SoftContact.
+    return solve_friction<Real>(slip, mass, friction.coefficient * max_of(contact.impact, Real(0)),
+                                friction.impact);
   }
   SIM_HD static bool has_tangent(const SoftContact<Real>& contact, const FrictionImpulse<Real>&) {
     return contact.impact > 0;
