@@ -325,7 +325,9 @@ struct GuardRounds {
     contacts.opposing[place] =
         has_pressed(place) ? mass * velocity.dot(contacts.soft[place].normal) : Real(0);
   }
-  SIM_HD bool is_root(int body) const { return parent[body] == static_cast<std::uint32_t>(body); }
+  SIM_HD bool is_root(int body) const {
+    return atomic_load(&parent[body]) == static_cast<std::uint32_t>(body);
+  }
   SIM_HD void mark_island(int body) const {
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
