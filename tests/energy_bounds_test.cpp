@@ -56,6 +56,21 @@ TEST_P(EnergyBounds, MixedRestitution) {
 TEST_P(EnergyBounds, Piles) { check_contacts(8, 3, any_pile); }
 TEST_P(EnergyBounds, HeavyBallsOnPiles) { check_contacts(10, 3, heavy_on_pile); }
 TEST_P(EnergyBounds, Friction) { check_contacts(8, 3, rough_pile); }
+TEST_P(EnergyBounds, ManyOnOne) { check_contacts(10, 2, many_on_one); }
+TEST_P(EnergyBounds, ManyOnOneWithRollingResistance) {
+  check_contacts(6, 2, [](Uniform& uniform) {
+    Scene scene = many_on_one(uniform);
+    scene.materials[0].rolling_resistance = uniform(0, 0.3);
+    return scene;
+  });
+}
+TEST_P(EnergyBounds, ManyTumblingOnOne) {
+  check_contacts(6, 2, [](Uniform& uniform) {
+    Scene scene = many_on_one(uniform);
+    set_inertias(scene, uniform);
+    return scene;
+  });
+}
 TEST_P(EnergyBounds, RollingResistance) { check_contacts(8, 3, rolling_pile); }
 
 Scene tumbling_pile(Uniform& uniform, const std::function<Scene(Uniform&)>& make) {

@@ -56,6 +56,27 @@ inline Scene rough_pile(Uniform& uniform) {
   return scene;
 }
 
+/// Spinning balls fly at a large ball from all sides, or fall on it. It has more contacts than there are
+/// colours, so some are mass-split.
+inline Scene many_on_one(Uniform& uniform) {
+  const bool falling = uniform.random() % 2 == 0;
+  Scene scene = impact_space(any_restitution(uniform), falling ? g : 0);
+  scene.materials[0].friction = one_of(uniform, {0.0, random_ratio(uniform, 100) / 100});
+  const double large = uniform(2.5, 4), small = 0.3;
+  const int count = 60 + static_cast<int>(uniform.random() % 60);
+  scene.bodies.push_back(ball(random_ratio(uniform, 1e4), large, Vector3d(0, 0, 0)));
+  const double mass = random_ratio(uniform, 1e3);
+  for (int c = 0; c < count; ++c) {
+    const double z = falling ? (c + 0.5) / count : 2 * (c + 0.5) / count - 1, angle = 2.399963 * c;
+    const Vector3d away(std::sqrt(1 - z * z) * std::cos(angle), std::sqrt(1 - z * z) * std::sin(angle), z);
+    scene.bodies.push_back(ball(mass, small, (large + small + uniform(0.001, 0.05)) * away,
+                                uniform.vector(1) - uniform(0, 3) * away));
+    scene.bodies.back().angular_velocity = uniform.vector(20);
+  }
+  if (falling) scene.obstacles = {Plane{Vector3d(0, 0, 1), -large, 0}};
+  return scene;
+}
+
 inline Scene rolling_pile(Uniform& uniform) {
   Scene scene = rough_pile(uniform);
   scene.materials[0].rolling_resistance = uniform(0, 0.3);
