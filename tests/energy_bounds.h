@@ -22,7 +22,8 @@ inline constexpr double joint_bound = 5e-3;
 
 /// Seeds of `count` scenes, then `more`: seeds that failed once among 100 times as many scenes. With a
 /// sanitizer, whose task is to find errors in memory, a tenth of `count` and none of `more`. The same with
-/// the CUDA executor: its states have the bits of the CPU's, which other tests compare.
+/// the CUDA executor: its states have the bits of the CPU's, which OneAnswer and `gpu-check agreement`
+/// compare.
 inline std::vector<int> energy_seeds([[maybe_unused]] ExecutorKind executor, int count,
                                      const std::vector<int>& more = {}) {
   if (const char* const seed = std::getenv("COLLIDOSCOPE_ENERGY_SEED")) return {std::atoi(seed)};

@@ -54,7 +54,8 @@ SIM_HD inline std::uint64_t atomic_add_aggregated(std::uint64_t* counter, std::u
 }
 
 /// Adds `values` to `count` consecutive targets. On a GPU, the active threads of a warp with the same targets
-/// share one atomic per target. For contended targets.
+/// share one atomic per target. For contended targets. A full warp with the same targets, the usual case in
+/// a large island, adds by shuffles, because a labelled partition costs more.
 template <std::uint32_t count>
 SIM_HD void atomic_add_aggregated(std::uint64_t* targets, const std::uint64_t (&values)[count]) {
 #if defined(__CUDA_ARCH__)
