@@ -37,7 +37,8 @@ static_assert(sizeof(PackedContact<float>) == 32 && sizeof(PackedContact<double>
 /// Sums of impulses, for reports and for friction of impacts.
 template <class Real>
 struct alignas(2 * sizeof(Real)) ContactSums {
-  Real total, impact;  ///< see SoftContact
+  Real total;  ///< see SoftContact
+  ImpactSum<Real> impact;
 };
 
 template <class Real>

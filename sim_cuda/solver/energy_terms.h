@@ -2,6 +2,7 @@
 // Energy terms of the energy guard (energy_guard.h), and the corrections that follow from them. Pure
 // functions.
 
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -15,6 +16,25 @@ struct EnergyCorrection {
   double share = 0, factor = 1;
   SIM_HD bool is_none() const { return !(share > 0) && !(factor < 1); }
 };
+
+/// Bits of a term in a sum; leaves room for 2^24 terms.
+inline constexpr int bits_of_term = 38;
+
+/// Unit of a sum in which the largest term has the given bits.
+SIM_HD inline double unit_of_sum(std::uint32_t largest_bits, int bits = bits_of_term) {
+  return static_cast<double>(std::bit_cast<float>(largest_bits)) /
+         static_cast<double>(std::uint64_t{1} << bits);
+}
+SIM_HD inline bool is_finite(float value) { return value - value == 0; }
+/// `value` as a whole number of units. 0 if it is not finite or much too large, as for a body that is not
+/// finite: the conversion of such a number differs between CPU and GPU.
+SIM_HD inline std::uint64_t in_units(double value, double one, int bits = bits_of_term) {
+  const double units = value / one;
+  const double largest_units = static_cast<double>(std::uint64_t{1} << (bits + 1));
+  return units > -largest_units && units < largest_units
+             ? static_cast<std::uint64_t>(static_cast<std::int64_t>(units))
+             : 0;
+}
 
 /// Terms of a body or an island, J; names as in energy_guard.h. Angular terms are included.
 struct EnergyTerms {

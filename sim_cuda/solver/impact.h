@@ -121,7 +121,7 @@ struct Impact {
       return 0;
     }
     const Real change = motions.mass * (approach + separation);
-    contact.impact = max_of(contact.impact, Real(0)) + change;
+    contact.impact.add(change);
     contact.total += change;
     if (e > 0) contact.impulse = 0;
     atomic_store(again, std::uint32_t{1});
@@ -131,12 +131,10 @@ struct Impact {
   SIM_HD Vector3<Real> solve_tangent(const SoftContact<Real>& contact, FrictionImpulse<Real>& friction,
                                      const Vector3<Real>& slip, const Mass& mass) const {
     if (!(contact.impulse > 0)) friction.impulse = Vector3<Real>::Zero();
-    // `impact` may be negative, see SoftContact.
-    return solve_friction<Real>(slip, mass, friction.coefficient * max_of(contact.impact, Real(0)),
-                                friction.impact);
+    return solve_friction<Real>(slip, mass, friction.coefficient * contact.impact.impulse(), friction.impact);
   }
   SIM_HD static bool has_tangent(const SoftContact<Real>& contact, const FrictionImpulse<Real>&) {
-    return contact.impact > 0;
+    return contact.impact.impulse() > 0;
   }
 
   /// Call if the contact has changed the velocities of its bodies. Static bodies may have other contacts in

@@ -124,30 +124,42 @@ struct BeginTrees {
   }
 };
 
-enum class TreeStage { solve, solve_again, relax_first, relax };
-
-template <class Real, TreeStage stage>
-struct RunTrees {
+/// Flags of the stages of trees are not template parameters: these kernels take longest to compile.
+template <class Real>
+struct TreeStage {
   JointTreeSolver<Real> solver;
   const StepControl* control;
-  const std::uint8_t* asleep;            ///< by body; null without the effect sleeping
-  PackedVector3<Real>* moved = nullptr;  ///< relax_first: EnergyGuard::moved_velocity(), see store_moved()
+  const std::uint8_t* asleep;  ///< by body; null without the effect sleeping
+  SIM_HD bool skips(int tree) const {
+    return control->overflow != 0 ||
+           (asleep != nullptr && asleep[solver.trees.nodes[solver.trees.begin[tree]].body] != 0);
+  }
+};
+
+template <class Real>
+struct SolveTrees : TreeStage<Real> {
+  bool again;  ///< see JointTreeSolver::solve()
   SIM_HD void operator()(int tree) const {
-    if (control->overflow) return;
-    if (asleep != nullptr && asleep[solver.trees.nodes[solver.trees.begin[tree]].body]) return;
-    if constexpr (stage == TreeStage::solve || stage == TreeStage::solve_again)
-      solver.solve(tree, stage == TreeStage::solve_again);
-    else
-      solver.relax(tree, stage == TreeStage::relax_first);
-    if constexpr (stage == TreeStage::relax_first) store_moved(tree);
+    if (!this->skips(tree)) this->solver.solve(tree, again);
+  }
+};
+
+template <class Real>
+struct RelaxTrees : TreeStage<Real> {
+  bool first;                  ///< of the substep
+  PackedVector3<Real>* moved;  ///< if first: EnergyGuard::moved_velocity(), see store_moved()
+  SIM_HD void operator()(int tree) const {
+    if (this->skips(tree)) return;
+    this->solver.relax(tree, first);
+    if (first) store_moved(tree);
   }
   /// The first relax turns velocities with the joints. In a tree that touches something, only what contacts
   /// remove after it is push_work.
   SIM_HD void store_moved(int tree) const {
-    const JointTreeView<Real>& trees = solver.trees;
+    const JointTreeView<Real>& trees = this->solver.trees;
     for (std::uint32_t node = trees.begin[tree]; node < trees.begin[tree + 1]; ++node) {
       const std::uint32_t body = trees.nodes[node].body;
-      if (trees.members[body] == TreeMember::touching) moved[body] = solver.bodies.velocity[body];
+      if (trees.members[body] == TreeMember::touching) moved[body] = this->solver.bodies.velocity[body];
     }
   }
 };

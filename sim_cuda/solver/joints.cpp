@@ -207,15 +207,14 @@ void Joints<Real>::solve() {
     run<IterateJoints<Real, false, correct>, IterateJoints<Real, true, correct>>(loops_.corrections());
   }
   if (tree_count() > 0)
-    executor_.run("joints", tree_count(), RunTrees<Real, TreeStage::solve>{tree_solver(), control_, asleep_});
+    executor_.run("joints", tree_count(), SolveTrees<Real>{{tree_solver(), control_, asleep_}, false});
 }
 
 template <class Real>
 void Joints<Real>::end_solve() {
   loops_.add_corrections();
   if (tree_count() > 0)
-    executor_.run("joints", tree_count(),
-                  RunTrees<Real, TreeStage::solve_again>{tree_solver(), control_, asleep_});
+    executor_.run("joints", tree_count(), SolveTrees<Real>{{tree_solver(), control_, asleep_}, true});
 }
 
 template <class Real>
@@ -233,12 +232,8 @@ void Joints<Real>::relax(bool first, PackedVector3<Real>* moved) {
   }
   constexpr JointPhase phase = JointPhase::relax;
   run<IterateJoints<Real, false, phase>, IterateJoints<Real, true, phase>>(bodies_);
-  if (tree_count() == 0) return;
-  if (first)
-    executor_.run("joints", tree_count(),
-                  RunTrees<Real, TreeStage::relax_first>{tree_solver(), control_, asleep_, moved});
-  else
-    executor_.run("joints", tree_count(), RunTrees<Real, TreeStage::relax>{tree_solver(), control_, asleep_});
+  if (tree_count() > 0)
+    executor_.run("joints", tree_count(), RelaxTrees<Real>{{tree_solver(), control_, asleep_}, first, moved});
 }
 
 template <class Real>

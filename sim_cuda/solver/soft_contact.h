@@ -39,6 +39,19 @@ struct Softness {
   }
 };
 
+/// Impulse of the impacts of a contact in a substep. Without impacts: whether the contact has pressed in this
+/// step. One number, because a sweep reads it for every contact.
+template <class Real>
+struct ImpactSum {
+  Real stored;  ///< N s; -1: no impacts, has pressed
+
+  static constexpr Real pressed = -1;
+  SIM_HD Real impulse() const { return max_of(stored, Real(0)); }
+  SIM_HD bool has_pressed() const { return stored < 0; }
+  SIM_HD void add(Real change) { stored = impulse() + change; }
+  SIM_HD void end_substep() { stored = min_of(stored, Real(0)); }
+};
+
 /// A contact during an iteration. Memory layout: contact_storage.h.
 template <class Real>
 struct SoftContact {
@@ -46,8 +59,8 @@ struct SoftContact {
   Real gap;              ///< m, < 0 if the bodies overlap
   Real impulse;          ///< accumulated in the substep, N s, >= 0
   Real total;            ///< sum over the step so far, impacts included, N s
-  Real impact;           ///< impulse of impacts in this substep, N s; negative: has pressed in this step
-  Real radius;           ///< m, of the smaller sphere
+  ImpactSum<Real> impact;
+  Real radius;  ///< m, of the smaller sphere
 
   /// Solves the normal constraint. Updates the accumulated impulse and returns its change, N s. `speed`:
   /// separation speed along the normal, m/s. `mass`: effective mass, kg. `soft`: solve with the spring.
@@ -73,12 +86,12 @@ struct SoftContact {
 
   /// Call before each solve without the spring.
   SIM_HD void mark_pressing() {
-    if (impulse > 0) impact = -1;
+    if (impulse > 0) impact.stored = ImpactSum<Real>::pressed;
   }
   /// Call at the end of a substep.
   SIM_HD void end_substep() {
     total += impulse;
-    impact = min_of(impact, Real(0));
+    impact.end_substep();
   }
 
   /// True if b, moving at `velocity` relative to a, misses a or does not reach it in `time` s.

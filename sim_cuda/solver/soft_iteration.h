@@ -56,7 +56,7 @@ struct Solve {
 
 /// Rigid solve after the move, with friction. Contacts without an impulse stay inactive. `unequal_moments`:
 /// of inertia. Kernels for them need more registers, so other scenes have their own.
-template <class Real, bool with_friction, bool unequal_moments = false>
+template <class Real, bool with_friction, bool unequal_moments>
 struct Relax {
   static constexpr bool has_friction = with_friction, sums = true, has_unequal_moments = unequal_moments;
   Softness<Real> softness;
@@ -304,7 +304,7 @@ struct Iteration {
         act.solve_normal(k.contact, Motions<Real>{k.ids, k.bodies, v_a, v_b, 1 / (w_a * n_a + w_b * n_b)});
     contacts.uncoloured_change[place] = change;
     if constexpr (requires { Act::mostly_idle; })
-      if (change != 0 || (Act::has_friction && k.contact.impact > 0)) act.mark(k.ids, k.bodies);
+      if (change != 0 || (Act::has_friction && k.contact.impact.impulse() > 0)) act.mark(k.ids, k.bodies);
     if constexpr (Act::has_friction) {
       const FrictionConstraint<Real> pair(bodies.angular_velocity[k.ids.a], bodies.angular_velocity[k.ids.b],
                                           k.contact, k.bodies, k.inertia);

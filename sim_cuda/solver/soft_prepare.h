@@ -64,7 +64,7 @@ struct PrepareContacts {
     const Separation<Real> now = of.at(body_a.position, body_b.position);
     PackedContact<Real> stored{now.normal, now.gap, found ? previous_impulse[before] : Real(0),
                                Vector3<Real>::Zero()};
-    sums[place] = {0, stored.impulse > 0 ? Real(-1) : Real(0)};
+    sums[place] = {0, {stored.impulse > 0 ? ImpactSum<Real>::pressed : Real(0)}};
     if (friction_sums != nullptr) {
       if (found) stored.friction_impulse = previous_friction[before];
       const BodyFriction<Real> friction_a = body_friction[a], friction_b = body_friction[b];
