@@ -50,6 +50,7 @@ TEST(AnalyticSuite, WritesEveryResultAsJson) {
   const auto& thrown = json["cases"][0];
   EXPECT_EQ(thrown["name"], "throw");
   EXPECT_EQ(thrown["integrator"], "semi_implicit_euler");
+  EXPECT_EQ(thrown["solver"], "soft_step");
   EXPECT_EQ(thrown["precision"], "f64");
   EXPECT_EQ(thrown["claim"], "leading");
   EXPECT_EQ(thrown["order"], 1);
@@ -68,9 +69,9 @@ TEST(AnalyticSuite, WritesARowOfCsvForEachStep) {
   all[3].method.rotation_update = RotationUpdate::first_order;
   const std::string csv = analytic_csv(all);
   EXPECT_EQ(std::ranges::count(csv, '\n'), 1 + 4 * 4);
-  EXPECT_THAT(csv, testing::HasSubstr("\nfail,\"semi_implicit_euler, first_order\",f64,leading,1,"));
-  EXPECT_THAT(csv, testing::HasSubstr("\nmeet,semi_implicit_euler,f64,exact,,,"));
-  EXPECT_THAT(csv, testing::HasSubstr("\nthrow,semi_implicit_euler,f32,leading,1,,"));
+  EXPECT_THAT(csv, testing::HasSubstr("\nfail,\"semi_implicit_euler, first_order\",soft_step,f64,leading,1,"));
+  EXPECT_THAT(csv, testing::HasSubstr("\nmeet,semi_implicit_euler,soft_step,f64,exact,,,"));
+  EXPECT_THAT(csv, testing::HasSubstr("\nthrow,semi_implicit_euler,soft_step,f32,leading,1,,"));
 }
 
 TEST(AnalyticSuite, SaysWhatFailedAndWhy) {
@@ -101,15 +102,26 @@ TEST(AnalyticSuite, DrawsDoubleAndFloatOfEachIntegratorInOneColour) {
 
 TEST(AnalyticSuite, RefusesFlagsOfScenes) {
   const CommandLine line =
-      parse_command_line({"accuracy", "--solver", "impulse", "--gravity", "0,0,0", "--tolerance", "1"});
+      parse_command_line({"accuracy", "--substeps", "4", "--gravity", "0,0,0", "--tolerance", "1"});
   try {
     analytic_suite(line);
     FAIL() << "ran";
   } catch (const InputError& error) {
     ASSERT_EQ(error.lines().size(), 3u);
     EXPECT_THAT(error.lines()[0], testing::StartsWith("--gravity: set by the analytic cases"));
-    EXPECT_THAT(error.lines()[1], testing::StartsWith("--solver: "));
+    EXPECT_THAT(error.lines()[1], testing::StartsWith("--substeps: "));
     EXPECT_THAT(error.lines()[2], testing::StartsWith("--tolerance: "));
+  }
+}
+
+TEST(AnalyticSuite, NeedsACase) {
+  const CommandLine line = parse_command_line({"accuracy", "--solver", "impulse", "--integrator", "rk4"});
+  try {
+    analytic_suite(line);
+    FAIL() << "ran";
+  } catch (const InputError& error) {
+    ASSERT_EQ(error.lines().size(), 1u);
+    EXPECT_THAT(error.lines()[0], testing::StartsWith("--integrator, --solver: no analytic case"));
   }
 }
 
@@ -121,7 +133,7 @@ TEST(AnalyticSuite, IsAccuracyWithoutAScene) {
   const auto json = nlohmann::json::parse(all.out);
   EXPECT_EQ(json["failed"], 0);
   EXPECT_GE(json["cases"].size(), 14u);
-  EXPECT_THAT(text_of(folder / "a.csv"), testing::HasSubstr("\norbit,rk4,f64,leading,4,"));
+  EXPECT_THAT(text_of(folder / "a.csv"), testing::HasSubstr("\norbit,rk4,soft_step,f64,leading,4,"));
   EXPECT_THAT(text_of(folder / "a.md"), testing::HasSubstr("all pass"));
   const Outcome refused = run_headless({"accuracy", "--steps", "3"});
   EXPECT_EQ(refused.status, 2);

@@ -73,7 +73,7 @@ std::string share_text(const AnalyticResult& r) {
   return r.method.theory.claim == Claim::exact ? "" : fmt::format("{:.2f}", last.error / theory_at(r, last));
 }
 
-/// Results of one case and integrator.
+/// Results of one case and method.
 struct AnalyticRow {
   const AnalyticResult* f64 = nullptr;
   const AnalyticResult* f32 = nullptr;
@@ -120,7 +120,7 @@ struct Counts {
 void refuse_settings_of_cases(const Options& options) {
   std::vector<std::pair<std::string, bool>> flags;
   options.overrides.settings.for_each_set([&]<auto member>(const Field<member>& setting, const auto&) {
-    if (!is_field<member, &Physics::integrator, &Physics::precision>)
+    if (!is_field<member, &Physics::integrator, &Physics::solver, &Physics::precision>)
       flags.emplace_back(flag_name(setting.name), true);
   });
   flags.emplace_back("--tolerance", options.accuracy.tolerance.has_value());
@@ -154,7 +154,8 @@ std::string analytic_json(const std::vector<AnalyticResult>& results, const std:
     json["cases"].push_back({{"name", r.name},
                              {"compared", r.compared},
                              {"because", r.rationale},
-                             {"integrator", name_of(r.method)},
+                             {"integrator", integrator_of(r.method)},
+                             {"solver", name_of(solver_names, r.method.solver)},
                              {"precision", name_of(precision_names, r.precision)},
                              {"claim", name_of_claim(r.method.theory.claim)},
                              {"order", exact ? std::nan("") : r.method.theory.order},
@@ -168,15 +169,16 @@ std::string analytic_json(const std::vector<AnalyticResult>& results, const std:
 
 std::string analytic_csv(const std::vector<AnalyticResult>& results) {
   std::string text =
-      "case,integrator,precision,claim,order,fitted_order,h,steps,error,theory,tolerance,passed\n";
+      "case,integrator,solver,precision,claim,order,fitted_order,h,steps,error,theory,tolerance,passed\n";
   const auto number = [](double x) { return std::isfinite(x) ? fmt::format("{}", x) : std::string(); };
   const auto field = [](const std::string& name) {
     return name.find(',') == name.npos ? name : fmt::format("\"{}\"", name);
   };
   for (const AnalyticResult& r : results)
     for (const AnalyticLevel& level : r.levels)
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", r.name, field(name_of(r.method)),
-                          name_of(precision_names, r.precision), name_of_claim(r.method.theory.claim),
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.name, field(integrator_of(r.method)),
+                          name_of(solver_names, r.method.solver), name_of(precision_names, r.precision),
+                          name_of_claim(r.method.theory.claim),
                           r.method.theory.claim == Claim::exact ? "" : number(r.method.theory.order),
                           number(r.fitted_order), level.h, level.steps, level.error,
                           number(theory_at(r, level)), level.tolerance, r.passed() ? 1 : 0);
@@ -186,7 +188,7 @@ std::string analytic_csv(const std::vector<AnalyticResult>& results) {
 std::string analytic_markdown(const std::vector<AnalyticResult>& results, const std::string& device) {
   std::string text =
       Counts(results).text(device) +
-      ".\n\n| case: quantity | integrator | order | smallest h, s | f64 error | f64 error / theory | "
+      ".\n\n| case: quantity | method | order | smallest h, s | f64 error | f64 error / theory | "
       "f32 error | f32 limit of h, s | reason |\n|---|---|---:|---:|---:|---:|---:|---:|---|\n";
   std::string last;
   for (const AnalyticRow& row : analytic_rows(results)) {
@@ -205,7 +207,7 @@ std::string analytic_markdown(const std::vector<AnalyticResult>& results, const 
 
 std::string analytic_text(const std::vector<AnalyticResult>& results, const std::string& device) {
   constexpr const char* columns = "{:<21}{:<33}{:<16}{:<18}{:>10}{:>11}{:>10}{:>10}  {:<8}{}\n";
-  std::string text = fmt::format(columns, "case", "integrator", "h, s", "f64 error", "order", "/ theory",
+  std::string text = fmt::format(columns, "case", "method", "h, s", "f64 error", "order", "/ theory",
                                  "f32 error", "f32 limit", "", "quantity");
   std::string last;
   for (const AnalyticRow& row : analytic_rows(results)) {
@@ -264,8 +266,11 @@ int analytic_suite(const CommandLine& line) {
     for (const AnalyticMethod& method : one.methods)
       for (const Precision precision : {Precision::f64, Precision::f32})
         if (chosen.get<&Physics::integrator>().value_or(method.integrator) == method.integrator &&
+            chosen.get<&Physics::solver>().value_or(method.solver) == method.solver &&
             chosen.get<&Physics::precision>().value_or(precision) == precision)
           runs.push_back({&one, &method, precision});
+  if (runs.empty())
+    throw InputError("--integrator, --solver: no analytic case runs with both; expected one of them");
 
   std::vector<AnalyticResult> results;
   {

@@ -22,9 +22,15 @@ Scene refined(Scene scene, int parts) {
 
 }  // namespace
 
-std::string name_of(const AnalyticMethod& method) {
+std::string integrator_of(const AnalyticMethod& method) {
   std::string text(name_of(integrator_names, method.integrator));
   if (method.rotation_update == RotationUpdate::first_order) text += ", first_order";
+  return text;
+}
+
+std::string name_of(const AnalyticMethod& method) {
+  std::string text = integrator_of(method);
+  if (method.solver != Solver::soft_step) text += ", " + std::string(name_of(solver_names, method.solver));
   return text;
 }
 
@@ -32,10 +38,10 @@ Theory leading_theory(double order, double constant) {
   return {Claim::leading, order, [=](double h) { return constant * std::pow(h, order); }};
 }
 
-std::vector<AnalyticMethod> by_any_integrator(Theory theory) {
-  AnalyticMethod method;
-  method.theory = std::move(theory);
-  return {method};
+std::vector<AnalyticMethod> by_any_integrator(const Theory& theory, std::initializer_list<Solver> solvers) {
+  std::vector<AnalyticMethod> methods;
+  for (const Solver solver : solvers) methods.push_back({.theory = theory, .solver = solver});
+  return methods;
 }
 
 double rounding(Precision precision, int steps, double scale) {
@@ -88,6 +94,7 @@ AnalyticResult run_case(const AnalyticCase& one, const AnalyticMethod& method, P
     scene.physics.precision = precision;
     scene.physics.integrator = method.integrator;
     scene.physics.rotation_update = method.rotation_update;
+    scene.physics.solver = method.solver;
     World world(scene, options);
     AnalyticLevel level;
     level.h = scene.physics.time_step / world.substeps();

@@ -4,6 +4,7 @@
 // A case is a value that owns all its data.
 
 #include <functional>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -33,13 +34,19 @@ struct AnalyticMethod {
   Integrator integrator = Integrator::velocity_verlet;
   Theory theory;
   RotationUpdate rotation_update = RotationUpdate::lie_group;
+  Solver solver = Solver::soft_step;
 };
-/// "rk4", or "semi_implicit_euler, first_order".
+/// "rk4", "semi_implicit_euler, first_order", or "velocity_verlet, jacobi_split".
 std::string name_of(const AnalyticMethod& method);
+/// The same without the solver.
+std::string integrator_of(const AnalyticMethod& method);
 
 /// The list with the default integrator only, for cases in which all integrators are the same: motion with
 /// contacts or joints, which is semi-implicit Euler's for every integrator, and free motion without forces.
-std::vector<AnalyticMethod> by_any_integrator(Theory theory);
+/// `solvers`: those with this theory.
+std::vector<AnalyticMethod> by_any_integrator(const Theory& theory,
+                                              std::initializer_list<Solver> solvers = {Solver::soft_step,
+                                                                                       Solver::jacobi_split});
 
 struct AnalyticCase {
   std::string name;       ///< words_with_underscores
