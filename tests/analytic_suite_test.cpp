@@ -69,7 +69,8 @@ TEST(AnalyticSuite, WritesARowOfCsvForEachStep) {
   all[3].method.rotation_update = RotationUpdate::first_order;
   const std::string csv = analytic_csv(all);
   EXPECT_EQ(std::ranges::count(csv, '\n'), 1 + 4 * 4);
-  EXPECT_THAT(csv, testing::HasSubstr("\nfail,\"semi_implicit_euler, first_order\",soft_step,f64,leading,1,"));
+  EXPECT_THAT(csv,
+              testing::HasSubstr("\nfail,\"semi_implicit_euler, first_order\",soft_step,f64,leading,1,"));
   EXPECT_THAT(csv, testing::HasSubstr("\nmeet,semi_implicit_euler,soft_step,f64,exact,,,"));
   EXPECT_THAT(csv, testing::HasSubstr("\nthrow,semi_implicit_euler,soft_step,f32,leading,1,,"));
 }
