@@ -18,6 +18,15 @@ namespace {
 namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;
 
+/// For all tests: a script's background job ignores SIGINT and SIGQUIT, and one of nohup SIGHUP. Programs
+/// that the tests start would inherit that.
+class DefaultSignals : public testing::Environment {
+  void SetUp() override {
+    for (const int signal : {SIGINT, SIGQUIT, SIGHUP}) std::signal(signal, SIG_DFL);
+  }
+};
+[[maybe_unused]] const auto* const default_signals = testing::AddGlobalTestEnvironment(new DefaultSignals);
+
 /// Whether a temporary file whose name begins with `name` exists in the folder or its subfolders.
 bool part_of(const fs::path& folder, const std::string& name) {
   std::error_code gone;
