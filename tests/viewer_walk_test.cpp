@@ -30,7 +30,6 @@ std::vector<std::string> named_widgets() {
                                  "camera.ortho",
                                  "tree.sort.SAH",
                                  "tree.row.0",
-                                 "tree.row.7",
                                  "tree.page.next",
                                  "tree.next",
                                  "tree.spread",
