@@ -212,8 +212,7 @@ TEST_P(EnergyBounds, FreeRotation) {
         }
       }
       for (std::size_t i = 0; i < rise.size(); ++i)
-        // Float: the rounding of the stored angular velocity over 1,000 steps of 4 substeps.
-        EXPECT_LE(rise[i], precision == Precision::f32 ? 2e-5 : 1e-9) << "body " << i << '\n'
+        EXPECT_LE(rise[i], precision == Precision::f32 ? 1e-5 : 1e-9) << "body " << i << '\n'
                                                                       << write_scene(scene);
     }
 }

@@ -90,12 +90,16 @@ struct GuardedBodies {
       sum.values[2] += m / 2 * g.dot(g + wide(spring_change(body)));
     }
     if (start_spin == nullptr) return sum;
-    const Quaternion<Real> q = bodies.orientation[body];
-    const Vector3<double> old = wide(q.conjugate() * work_angular_velocity(body)),
-                          added = wide(q.conjugate() * spin_change), inertia = wide(bodies.inertia[body]);
+    const AngularState<Real> angular = angular_state(body);
+    const Vector3<double> inertia = wide(angular.inertia);
+    Vector3<Real> old = work_angular_velocity(body), added = spin_change;
+    if (!angular.is_isotropic()) {
+      old = angular.axes.conjugate() * old;
+      added = angular.axes.conjugate() * added;
+    }
     for (int k = 0; k < 3; ++k) {
-      sum.values[0] += inertia[k] * old[k] * added[k];
-      sum.values[1] += inertia[k] / 2 * added[k] * added[k];
+      sum.values[0] += inertia[k] * wide(old)[k] * wide(added)[k];
+      sum.values[1] += inertia[k] / 2 * wide(added)[k] * wide(added)[k];
     }
     return sum;
   }

@@ -133,8 +133,10 @@ struct Impact {
     if (!(contact.impulse > 0)) friction.impulse = Vector3<Real>::Zero();
     return solve_friction<Real>(slip, mass, friction.coefficient * contact.impact.impulse(), friction.impact);
   }
-  SIM_HD static bool has_tangent(const SoftContact<Real>& contact, const FrictionImpulse<Real>&) {
-    return contact.impact.impulse() > 0;
+  /// Friction acts during an impact. Bodies that later slide on each other again, because of other impacts,
+  /// are separating.
+  SIM_HD static bool has_tangent(const SoftContact<Real>&, const FrictionImpulse<Real>&, Real change) {
+    return change != 0;
   }
 
   /// Call if the contact has changed the velocities of its bodies. Static bodies may have other contacts in
@@ -181,15 +183,15 @@ struct ImpactSweeps {
   SIM_HD void operator()(int round, int item) const {
     const int sweep = first + round / rounds_per_sweep, part = round % rounds_per_sweep - 1;
     if (part < 0) return bounce_off_walls(sweep, item);
-    Contacts now = contacts;
-    now.act.again = needed + sweep + 1;
-    now.act.now = static_cast<std::uint8_t>(sweep + 2);
     if (part < Colouring::colours) {
       const Pair ids =
           contacts.contacts.ids[contacts.contacts.begin[part] + static_cast<std::uint32_t>(item)];
       const std::uint8_t* const struck = contacts.act.struck;
       if (max_of(struck[ids.a], struck[ids.b]) < sweep + 1) return;
     }
+    Contacts now = contacts;
+    now.act.again = needed + sweep + 1;
+    now.act.now = static_cast<std::uint8_t>(sweep + 2);
     run_item(now, part, item);
   }
 
@@ -199,23 +201,24 @@ struct ImpactSweeps {
       contacts.act.struck[id] = 0;
       return;
     }
+    if (sweep > 0 && contacts.act.struck[id] < sweep + 1) return;
     const Vector3<Real> v = walls.bodies.velocity[id];
     const ImpactLaw<Real>& law = contacts.act.law;
-    const Real limit =
-        law.growth(sweep) * law.rest_speed(law.acceleration(static_cast<std::uint32_t>(id))) / 2;
+    const Vector3<Real> pull = law.acceleration(static_cast<std::uint32_t>(id));
+    const Real rest = law.growth(sweep) * law.rest_speed(pull), limit = rest / 2;
     if (sweep == 0) {
       const bool fast = v.dot(v) > Real(0.99) * limit * limit;  // less than the limit, for rounding
       contacts.act.struck[id] = fast ? 1 : 0;
       if (fast) atomic_store(needed, std::uint32_t{1});
-    } else if (contacts.act.struck[id] < sweep + 1) {
-      return;
     }
     if (walls.count() == 0 || !(walls.bodies.inverse_mass[id] > 0)) return;
     if (sweep == 0) walls.clear_bounced(id);
     if (!(v.dot(v) > limit * limit)) return;
-    typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load(id);
+    typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load_motion(id);
+    if (!walls.may_bounce(body, law, pull, rest)) return;
+    walls.load_rest(id, body);
     const bool may_shift = control->contacts == 0 || contacts_of[id] == 0;
-    if (!walls.template resolve_impacts<unequal_moments>(id, body, law, law.growth(sweep), may_shift)) return;
+    if (!walls.template resolve_impacts<unequal_moments>(id, body, law, pull, rest, may_shift)) return;
     walls.store(id, body);
     contacts.act.struck[id] = static_cast<std::uint8_t>(sweep + 2);
     atomic_store(needed + sweep + 1, std::uint32_t{1});

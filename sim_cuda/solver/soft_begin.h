@@ -64,16 +64,15 @@ struct BeginSubstep {
     start_velocity[id] = body.v;
     if (start_spin != nullptr)
       start_spin[id] = AngularState<Real>::of(walls.bodies, static_cast<std::uint32_t>(id)).spin();
-    SoftWalls<Real, with_friction, with_box_obstacles> own = walls;
-    if (field != nullptr) own.gravity = gravity + field[id];
-    if (with_field) body.v += h * own.gravity;
-    if constexpr (with_box_obstacles) own.update_box_planes(id, body);
-    own.warm_start(id, body);
+    const Vector3<Real> pull = field != nullptr ? Vector3<Real>(gravity + field[id]) : walls.gravity;
+    if (with_field) body.v += h * pull;
+    if constexpr (with_box_obstacles) walls.update_box_planes(id, body);
+    walls.warm_start(id, body);
     if (contacts_of(id) > 0) {
       body.v += body.inverse_mass * impulses.sum[0];
       if constexpr (with_friction) body.angular.apply_angular_impulse(impulses.sum[1]);
     }
-    own.solve(id, body, false);
+    walls.solve(id, body, false, pull);
     body.velocity_changed = true;
     walls.store(id, body);
   }

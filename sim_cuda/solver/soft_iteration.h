@@ -75,7 +75,9 @@ struct Relax {
     if (last) friction.impact = Vector3<Real>::Zero();
     return solve_friction<Real>(slip, mass, friction.coefficient * contact.impulse, friction.impulse);
   }
-  SIM_HD static bool has_tangent(const SoftContact<Real>& contact, const FrictionImpulse<Real>& friction) {
+  /// Whether to solve friction, after the normal impulse changed by the last argument.
+  SIM_HD static bool has_tangent(const SoftContact<Real>& contact, const FrictionImpulse<Real>& friction,
+                                 Real) {
     return contact.total > 0 || friction.impulse.dot(friction.impulse) != 0;
   }
 };
@@ -225,7 +227,7 @@ struct Iteration {
       b.v += change * w_b * k.contact.normal;
     }
     if constexpr (Act::has_friction) {
-      if (!act.has_tangent(k.contact, k.friction)) return change != 0;
+      if (!act.has_tangent(k.contact, k.friction, change)) return change != 0;
       FrictionConstraint<Real> pair(a.angular_velocity, b.angular_velocity, k.contact, k.bodies, k.inertia);
       const auto solve = [&](const auto& mass) {
         return act.solve_tangent(k.contact, k.friction, pair.slip(b.v - a.v), mass);
@@ -304,23 +306,27 @@ struct Iteration {
         act.solve_normal(k.contact, Motions<Real>{k.ids, k.bodies, v_a, v_b, 1 / (w_a * n_a + w_b * n_b)});
     contacts.uncoloured_change[place] = change;
     if constexpr (requires { Act::mostly_idle; })
-      if (change != 0 || (Act::has_friction && k.contact.impact.impulse() > 0)) act.mark(k.ids, k.bodies);
+      if (change != 0) act.mark(k.ids, k.bodies);
     if constexpr (Act::has_friction) {
-      const FrictionConstraint<Real> pair(bodies.angular_velocity[k.ids.a], bodies.angular_velocity[k.ids.b],
-                                          k.contact, k.bodies, k.inertia);
-      const auto solve = [&](const auto& mass) {
-        return act.solve_tangent(k.contact, k.friction, pair.slip(velocity), mass);
-      };
-      const auto of_equal_moments = [&] {
-        return solve(
-            1 / ((w_a + pair.angular_inverse_mass_a()) * n_a + (w_b + pair.angular_inverse_mass_b()) * n_b));
-      };
-      if constexpr (has_unequal_moments())
-        contacts.uncoloured_friction[place] =
-            pair.is_isotropic() ? of_equal_moments()
+      Vector3<Real>& friction_change = contacts.uncoloured_friction[place];
+      friction_change = Vector3<Real>::Zero();
+      if (act.has_tangent(k.contact, k.friction, change)) {
+        const FrictionConstraint<Real> pair(bodies.angular_velocity[k.ids.a],
+                                            bodies.angular_velocity[k.ids.b], k.contact, k.bodies, k.inertia);
+        const auto solve = [&](const auto& mass) {
+          return act.solve_tangent(k.contact, k.friction, pair.slip(velocity), mass);
+        };
+        const auto of_equal_moments = [&] {
+          return solve(1 / ((w_a + pair.angular_inverse_mass_a()) * n_a +
+                            (w_b + pair.angular_inverse_mass_b()) * n_b));
+        };
+        if constexpr (has_unequal_moments())
+          friction_change = pair.is_isotropic()
+                                ? of_equal_moments()
                                 : solve(pair.response(bodies, k.ids, w_a * n_a + w_b * n_b, n_a, n_b));
-      else
-        contacts.uncoloured_friction[place] = of_equal_moments();
+        else
+          friction_change = of_equal_moments();
+      }
     }
     contacts.template store<Act::sums>(k, true);
   }

@@ -19,7 +19,7 @@ struct SolveWalls {
     typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load_motion(id);
     if (!walls.may_touch(body, relaxing)) return;
     walls.load_rest(id, body);
-    walls.solve(id, body, relaxing);
+    walls.solve(id, body, relaxing, walls.gravity);
     if (relaxing) walls.template apply_friction<unequal_moments>(id, body);
     walls.store(id, body);
   }

@@ -110,16 +110,19 @@ struct SoftWalls {
       return plane_count;
   }
 
-  /// Plane p of a body. Indices from plane_count on are box obstacles.
-  SIM_HD WallPlane<Real> plane(int p, int body) const {
+  /// Plane p of a body. Indices from plane_count on are box obstacles. A reference if there are none, because
+  /// most planes are only tested.
+  SIM_HD decltype(auto) plane(int p, [[maybe_unused]] int body) const {
     if constexpr (with_box_obstacles) {
       if (p >= plane_count) {
         const ContactPlane<Real> box_plane = boxes.plane[index(p - plane_count, body)];
         const BoxSurface<Real>& box = boxes.view.boxes[p - plane_count];
-        return {box_plane.normal, box_plane.offset, box.restitution, box.friction};
+        return WallPlane<Real>{box_plane.normal, box_plane.offset, box.restitution, box.friction};
       }
+      return WallPlane<Real>(planes[p]);
+    } else {
+      return (planes[p]);
     }
-    return planes[p];
   }
   /// Call at the start of a substep. Sets the contact planes of the boxes that the body touches.
   SIM_HD void update_box_planes(int id, const Body& body) const {
@@ -253,35 +256,51 @@ struct SoftWalls {
     return body.v.dot(body.v) > body.radius * inverse_h * body.radius * inverse_h;
   }
   /// Surface p for an impact. Boxes: the plane that the body touches, or meets along its way, m.
-  SIM_HD WallPlane<Real> impact_plane(int p, const Body& body, const Vector3<Real>& way) const {
+  SIM_HD decltype(auto) impact_plane(int p, [[maybe_unused]] const Body& body,
+                                     [[maybe_unused]] const Vector3<Real>& way) const {
     if constexpr (with_box_obstacles) {
       if (p >= plane_count) {
         const BoxSurface<Real>& box = boxes.view.boxes[p - plane_count];
         const ContactPlane<Real> met = box.gap(body.x, body.radius) > 0
                                            ? box.first_plane_on_path(body.x, way, body.radius)
                                            : box.contact_plane_at(body.x);
-        return {met.normal, met.offset, box.restitution, box.friction};
+        return WallPlane<Real>{met.normal, met.offset, box.restitution, box.friction};
       }
+      return WallPlane<Real>(planes[p]);
+    } else {
+      return (planes[p]);
     }
-    return planes[p];
   }
-  /// One sweep over the planes of a body. Returns true if the body got an impulse. `growth`: see ImpactLaw.
-  /// `may_shift`: an impact may move the body to the surface (impact.h).
+  /// True if the body meets the surface within the law's time, at more than `rest` (m/s). `pull`:
+  /// acceleration, m/s^2. In free flight, or in a step of Euler's method if other impulses act.
+  SIM_HD static bool meets(const WallPlane<Real>& surface, const Body& body, const ImpactLaw<Real>& law,
+                           const Vector3<Real>& pull, Real rest) {
+    const Real approach = -surface.normal.dot(body.v);
+    if (!(approach > rest)) return false;
+    const Real gap = max_of(surface.normal.dot(body.x) - surface.offset - body.radius, Real(0));
+    const Real acceleration = -surface.normal.dot(pull);
+    return gap < law.reach_time() * (approach + law.h * max_of(acceleration / 2, acceleration));
+  }
+  /// False if resolve_impacts() would do nothing. Needs only load_motion().
+  SIM_HD bool may_bounce(const Body& body, const ImpactLaw<Real>& law, const Vector3<Real>& pull,
+                         Real rest) const {
+    bool any = with_box_obstacles;
+    for (int p = 0; p < plane_count && !any; ++p) any = meets(planes[p], body, law, pull, rest);
+    return any;
+  }
+  /// One sweep over the planes of a body. Returns true if the body got an impulse. `pull`: acceleration,
+  /// m/s^2. `rest`: speed of slow impacts, m/s (ImpactLaw). `may_shift`: an impact may move the body to the
+  /// surface (impact.h).
   template <bool unequal_moments>
-  SIM_HD bool resolve_impacts(int id, Body& body, const ImpactLaw<Real>& law, Real growth,
-                              bool may_shift) const {
+  SIM_HD bool resolve_impacts(int id, Body& body, const ImpactLaw<Real>& law, const Vector3<Real>& pull,
+                              Real rest, bool may_shift) const {
     bool any = false;
-    const Vector3<Real> pull = law.acceleration(static_cast<std::uint32_t>(id));
-    const Real rest = growth * law.rest_speed(pull);
     for (int p = 0; p < count(); ++p) {
-      const WallPlane<Real> surface = impact_plane(p, body, law.reach_time() * (body.v + law.h * pull));
+      const WallPlane<Real>& surface = impact_plane(p, body, law.reach_time() * (body.v + law.h * pull));
+      if (!meets(surface, body, law, pull, rest)) continue;
       const Vector3<Real> normal = surface.normal;
-      const Real approach = -normal.dot(body.v);
-      if (!(approach > rest)) continue;
+      const Real approach = -normal.dot(body.v), acceleration = -normal.dot(pull);
       const Real gap = max_of(normal.dot(body.x) - surface.offset - body.radius, Real(0));
-      const Real acceleration = -normal.dot(pull);
-      // Free flight, or a step of Euler's method if other impulses act.
-      if (!(gap < law.reach_time() * (approach + law.h * max_of(acceleration / 2, acceleration)))) continue;
       using std::sqrt;
       const Real speed = sqrt(body.v.dot(body.v));
       const std::int64_t here = index(p, id);
@@ -312,21 +331,22 @@ struct SoftWalls {
     return any;
   }
 
-  /// One iteration. `relaxing`: after the move; speculative planes without impulse stay inactive.
-  SIM_HD void solve(int id, Body& body, bool relaxing) const {
+  /// One iteration. `relaxing`: after the move; speculative planes without impulse stay inactive. `pull`:
+  /// acceleration for the work of overlap recovery, m/s^2.
+  SIM_HD void solve(int id, Body& body, bool relaxing, const Vector3<Real>& pull) const {
     for (int p = 0; p < count(); ++p) {
       if constexpr (with_box_obstacles)
         if (p >= plane_count && (relaxing ? plane(p, id).normal.dot(plane(p, id).normal) == 0
                                           : !predict_contact(p - plane_count, id, body)))
           continue;
-      const WallPlane<Real> surface = plane(p, id);
-      const Vector3<Real> normal = surface.normal;
+      const WallPlane<Real>& surface = plane(p, id);
+      const Vector3<Real>& normal = surface.normal;
       Real gap = normal.dot(body.x) - surface.offset - body.radius;
       if (gap < 0) {
         const Vector3<Real> shift = -gap * normal;
         body.x += shift;
         body.moved = true;
-        static_impulses[id].push_work -= static_cast<double>(body.mass * gravity.dot(shift));
+        static_impulses[id].push_work -= static_cast<double>(body.mass * pull.dot(shift));
         gap = 0;
       }
       const Real speed = normal.dot(body.v);
