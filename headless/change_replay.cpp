@@ -1,10 +1,10 @@
-#include "headless/replay.h"
+#include "headless/change_replay.h"
 
 #include <limits>
 
 namespace collidoscope {
 
-Replay::Replay(const std::string& file, Start& start, RunOptions& options) {
+ChangeReplay::ChangeReplay(const std::string& file, Start& start, RunOptions& options) {
   if (file.empty()) return;
   list_ = read_changes(file, start.scene, options, start.snapshot ? start.snapshot->state.steps : 0);
   const std::vector<Change>& changes = list_.changes;
@@ -14,16 +14,19 @@ Replay::Replay(const std::string& file, Start& start, RunOptions& options) {
     apply_change(changes[next_], start.scene, options);
 }
 
-std::int64_t Replay::steps_to_next(const World& world) const {
+std::int64_t ChangeReplay::steps_to_next(const World& world) const {
   if (left() == 0) return std::numeric_limits<std::int64_t>::max();
   return list_.changes[next_].step - world.steps();
 }
 
-bool Replay::make_due(World& world) {
+bool ChangeReplay::make_due(World& world, Recorder* recorder) {
   const std::size_t before = next_;
-  for (; left() > 0 && list_.changes[next_].step == world.steps(); ++next_)
-    if (auto next = world_after_change(world, list_.changes[next_], world.options()))
-      world = std::move(*next);
+  for (; left() > 0 && list_.changes[next_].step == world.steps(); ++next_) {
+    const Change& change = list_.changes[next_];
+    const Scene scene_before = recorder != nullptr ? world.scene() : Scene{};
+    if (auto next = world_after_change(world, change, world.options())) world = std::move(*next);
+    if (recorder != nullptr) recorder->record_change(world, change, scene_before);
+  }
   return next_ != before;
 }
 

@@ -15,6 +15,7 @@
 #include "headless/cli/standard_output.h"
 #include "headless/compare.h"
 #include "headless/markdown/reference_pages.h"
+#include "headless/replay.h"
 #include "headless/run.h"
 #include "headless/stability/stability.h"
 
@@ -36,6 +37,8 @@ int perform(const CommandLine& line) {
   switch (line.command) {
     case Command::run:
       return interruptible(line, run_command);
+    case Command::replay:
+      return interruptible(line, replay_command);
     case Command::capture:
       return interruptible(line, capture_command);
     case Command::compare:

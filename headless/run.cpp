@@ -10,18 +10,19 @@
 #include <optional>
 
 #include "headless/capture.h"
+#include "headless/change_replay.h"
 #include "headless/cli/flag_value.h"
 #include "headless/cli/interrupt_handler.h"
 #include "headless/cli/output_file.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
-#include "headless/replay.h"
 #include "headless/reporting/body_csv.h"
 #include "headless/reporting/report.h"
 #include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/core/physics_version.h"
+#include "sim_cuda/recording/recorder.h"
 #include "sim_cuda/run/checkpoint.h"
 #include "sim_cuda/stability/offending_body.h"
 #include "sim_cuda/world.h"
@@ -149,9 +150,9 @@ class Breaks {
 };
 
 /// Steps in batches of about a tenth of a second, which keeps a GPU busy and progress visible. A trace or
-/// stop conditions require measuring every state.
-Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* trace, bool residuals,
-                 Breaks& breaks, EarlyEnd& early_end) {
+/// stop conditions require measuring every state, a recording hashes it.
+Stepped step_all(World& world, std::int64_t steps, ChangeReplay& replay, std::string* trace, bool residuals,
+                 Breaks& breaks, EarlyEnd& early_end, Recorder* recorder) {
   Stepped stepped;
   stepped.failure = breaks.look_at_start(world);
   stepped.failed_at_start = stepped.failure.has_value();
@@ -160,7 +161,7 @@ Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* 
   std::int64_t stride = 1;
   for (std::int64_t done = 0; done < steps && !early_end.requested();) {
     const std::int64_t rest = std::min(steps - done, replay.steps_to_next(world));
-    int count = static_cast<int>(trace || breaks.any() ? 1 : std::min(stride, rest));
+    int count = static_cast<int>(trace || breaks.any() || recorder != nullptr ? 1 : std::min(stride, rest));
     if (residuals && done + count == steps) {
       if (count == 1)
         world.records().record_residuals(true);  // of the last step only
@@ -185,7 +186,8 @@ Stepped step_all(World& world, std::int64_t steps, Replay& replay, std::string* 
     if (!stepped.failure && breaks.any()) stepped.failure = breaks.check(world, world.measure());
     if (stepped.failure) return stepped;
     done += world.steps() - before;
-    if (replay.make_due(world) && breaks.any()) breaks.world_changed(world.measure());
+    if (recorder != nullptr && world.steps() > before) recorder->record_step(world);
+    if (replay.make_due(world, recorder) && breaks.any()) breaks.world_changed(world.measure());
     if (trace) *trace += trace_row(world.measure());
     if (spent < 0.05 && stride < 1 << 20) stride *= 2;
     if (spent > 0.2 && stride > 1) stride /= 2;
@@ -205,7 +207,7 @@ std::string failure_file(const World& world, std::int64_t step) {
 
 /// False if the final state differs from the one recorded in the change file. Prints a message in this case,
 /// and if the states cannot be compared.
-bool as_recorded(World& world, const Replay& replay, const std::string& file) {
+bool as_recorded(World& world, const ChangeReplay& replay, const std::string& file) {
   if (const std::size_t left = replay.left(); left > 0)
     std::fprintf(stderr, "note: %s: the run ended before %zu of the changes in this file\n", file.c_str(),
                  left);
@@ -233,10 +235,12 @@ int run_command(const CommandLine& line) {
   const Options& options = line.options;
   Start start = load_start(line);
   RunOptions how = options.run;
-  Replay replay(options.changes, start, how);
+  ChangeReplay replay(options.changes, start, how);
   Outputs outputs(options);
   World world = make_world(start, how);
   replay.make_due(world);
+  std::optional<Recorder> recorder;
+  if (!options.record.empty()) recorder.emplace(options.record).begin(world);
 
   const StepStats initial = world.measure();
   std::string trace =
@@ -245,11 +249,12 @@ int run_command(const CommandLine& line) {
       trace_row(initial);
   const std::int64_t recorded = replay.end() ? replay.end()->step - world.steps() : 300;
   Breaks breaks(options.breaks, initial);
-  EarlyEnd early_end(outputs.any() ? options.run.cancellation : nullptr);
+  EarlyEnd early_end(outputs.any() || recorder ? options.run.cancellation : nullptr);
   const std::int64_t steps = options.steps_or(std::max<std::int64_t>(recorded, 0));
   const std::int64_t last = world.steps() + steps;
-  const Stepped stepped =
-      step_all(world, steps, replay, outputs.energy ? &trace : nullptr, options.residuals, breaks, early_end);
+  const Stepped stepped = step_all(world, steps, replay, outputs.energy ? &trace : nullptr, options.residuals,
+                                   breaks, early_end, recorder ? &*recorder : nullptr);
+  if (recorder) recorder->end(world);
   const bool save_on_failure = stepped.failure && options.save.empty();
   const std::int64_t failed_step = world.steps() + (stepped.failed_at_start ? 0 : 1);
   std::string failed_at = save_on_failure ? failure_file(world, failed_step) : options.save;

@@ -7,7 +7,7 @@
 
 #include <fstream>
 
-#include "headless/replay.h"
+#include "headless/change_replay.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/snapshot/snapshot.h"
@@ -90,7 +90,7 @@ World replayed(const Scene& scene, const std::string& text, const RunOptions& op
   std::ofstream(folder / "changes.json") << text;
   Start start{scene, {}};
   RunOptions how = options;
-  Replay replay(folder / "changes.json", start, how);
+  ChangeReplay replay(folder / "changes.json", start, how);
   World world = start.world(how);
   replay.make_due(world);
   while (world.steps() < steps) {

@@ -9,7 +9,7 @@
 
 #include <fstream>
 
-#include "headless/replay.h"
+#include "headless/change_replay.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/limits.h"
 #include "tests/executors.h"
@@ -150,7 +150,7 @@ std::uint64_t replayed_hash(LiveWorld& live, const Scene& scene) {
   std::ofstream(folder / "changes.json") << live.changes_text();
   Start start{scene, {}};
   RunOptions options = on_cpu();
-  Replay replay(folder / "changes.json", start, options);
+  ChangeReplay replay(folder / "changes.json", start, options);
   World world = start.world(options);
   replay.make_due(world);
   while (world.steps() < replay.end()->step) {

@@ -42,6 +42,10 @@ struct CommandInfo {
 const std::vector<CommandInfo>& commands() {
   static const std::vector<CommandInfo> every{
       {"run", Command::run, "simulate a scene and report state and cost, without pictures", {scene_operand}},
+      {"replay",
+       Command::replay,
+       "simulate a recorded run again and compare every state",
+       {{"FILE", "recording of run --record"}}},
       {"capture", Command::capture, "simulate a scene and write pictures of its states", {scene_operand}},
       {"compare",
        Command::compare,
@@ -239,7 +243,7 @@ void check_files(const CLI::App& app, const CommandLine& line, std::vector<std::
                                      shown(file), other));
     seen.emplace_back(flag, path);
   };
-  if (!line.operands.empty() && line.command != Command::stability) {
+  if (!line.operands.empty() && line.command != Command::stability && line.command != Command::replay) {
     try {
       add("the scene", scene_file(line.operands[0]));
     } catch (const InputError& error) {
@@ -309,7 +313,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments, std::s
   answer.text = first == "help" ? help_of(app) : parse(app, {first});
   if (answer.text.empty())
     throw InputError((first.empty() ? "missing command" : shown(first) + ": unknown command") +
-                     ", expected run, capture, compare, bvh, bench, accuracy, stability or --help");
+                     ", expected run, replay, capture, compare, bvh, bench, accuracy, stability or --help");
   return answer;
 }
 

@@ -23,9 +23,10 @@ constexpr unsigned viewing = bit(Command::view), benching = bit(Command::bench),
 constexpr unsigned studying = bit(Command::accuracy), testing = bit(Command::stability);
 constexpr unsigned drawing = capturing | viewing | benching,
                    stepping = running | drawing | grading | studying;
+constexpr unsigned replaying = bit(Command::replay);
 constexpr unsigned guarding = running | capturing | viewing;
-constexpr unsigned reporting =
-    running | capturing | benching | grading | studying | testing | bit(Command::compare);
+constexpr unsigned reporting = running | bit(Command::replay) | capturing | benching | grading | studying |
+                               testing | bit(Command::compare);
 
 /// S, or 1/n.
 std::optional<TimeStep> parse_time_step(FlagValue& value) {
@@ -235,9 +236,10 @@ std::vector<Flag> all_flags() {
   std::vector<Flag> all;
   for_each_setting([&]<auto member>(const Field<member>& setting) {
     if (!is_physical(setting) || setting.live != Live::never)  // the others are in scene files only
-      all.push_back({flag_name(setting.name), std::string(setting.placeholder), help_of_flag(setting),
-                     read_setting<member>, false, is_physical(setting) ? "Simulation" : "Execution",
-                     setting.for_stability ? stepping | testing : stepping});
+      all.push_back(
+          {flag_name(setting.name), std::string(setting.placeholder), help_of_flag(setting),
+           read_setting<member>, false, is_physical(setting) ? "Simulation" : "Execution",
+           (is_physical(setting) ? 0 : replaying) | (setting.for_stability ? stepping | testing : stepping)});
   });
   const auto add = [&](const char* group, unsigned commands, std::vector<Flag> rows) {
     for (Flag& row : rows) row.group = group, row.commands = commands;
@@ -251,7 +253,7 @@ std::vector<Flag> all_flags() {
         parsed<parse_break_conditions, &Options::breaks>}});
   add("Simulation", running | viewing | grading,
       {{"--steps", "K", "number of steps [300; bvh: 0]; the viewer pauses at this state", steps}});
-  add("Execution", stepping | testing,
+  add("Execution", stepping | testing | replaying,
       {{"--allow-large", "", "allow steps to use all available memory (default: 80 %)",
         on<run, &RunOptions::allow_large>}});
   add("Output", reporting,
@@ -334,11 +336,14 @@ std::vector<Flag> all_flags() {
         on<&Options::view, &ViewRequest::reset_ui>},
        {"--automation", "FILE", "write one JSON line for each frame: state, positions of widgets",
         file<&Options::view, &ViewRequest::automation>}});
-  add("Snapshots and changes", running | capturing | viewing,
-      {{"--load", "FILE", "continue from a snapshot; replaces SCENE", file<&Options::load>}});
-  add("Snapshots and changes", running,
+  add("Snapshots, changes, recordings", running | capturing | viewing,
+      {{"--load", "FILE", "continue from a snapshot or the end of a recording; replaces SCENE",
+        file<&Options::load>}});
+  add("Snapshots, changes, recordings", running,
       {{"--changes", "FILE", "changes of settings and bodies during the run", file<&Options::changes>},
-       {"--save", "FILE", "write a snapshot of the last state, for --load", file<&Options::save>}});
+       {"--save", "FILE", "write a snapshot of the last state, for --load", file<&Options::save>},
+       {"--record", "FILE", "record the run: states, changes, hashes; replay verifies it",
+        file<&Options::record>}});
   return all;
 }
 

@@ -18,7 +18,7 @@
 namespace collidoscope {
 
 /// `view` is what the desktop program does; it has no word on the command line.
-enum class Command { run, capture, compare, bvh, bench, accuracy, stability, view };
+enum class Command { run, replay, capture, compare, bvh, bench, accuracy, stability, view };
 
 /// What only the desktop program takes.
 struct ViewRequest {
@@ -69,6 +69,7 @@ struct Options {
   std::string dump_dynamics;          ///<
   std::string energy_trace;           ///<
   std::string save, load;             ///< snapshots, or empty
+  std::string record;                 ///< recording, or empty
   std::string changes;                ///< of `run`: what is changed on the way, or empty
   bool residuals = false;             ///< of the last step
   BreakConditions breaks;             ///< of `run` and the window

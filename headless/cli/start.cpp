@@ -12,6 +12,7 @@
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/physics_version.h"
+#include "sim_cuda/recording/recording_file.h"
 #include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
@@ -54,16 +55,18 @@ void note_other_physics(std::int64_t version, const std::string& file) {
 }  // namespace
 
 Start load_start(const CommandLine& line) {
+  std::string file = line.options.load;
+  if (file.empty() && is_recording(line.operands[0])) file = line.operands[0];
   Start start;
-  if (line.options.load.empty()) {
+  if (file.empty()) {
     start.scene = load_scene(line);
     return start;
   }
-  start.snapshot = read_snapshot(line.options.load);
+  start.snapshot = is_recording(file) ? last_keyframe(RecordingReader(file)) : read_snapshot(file);
   start.scene = start.snapshot->scene;
-  apply(line.options.overrides, line.options.load, start.scene);
-  refuse_other_bodies(line.options.overrides.settings, line.options.load, start.snapshot->scene);
-  note_other_physics(start.snapshot->physics_version, line.options.load);
+  apply(line.options.overrides, file, start.scene);
+  refuse_other_bodies(line.options.overrides.settings, file, start.snapshot->scene);
+  note_other_physics(start.snapshot->physics_version, file);
   return start;
 }
 

@@ -18,6 +18,7 @@ struct FlagCommand {
   std::string_view text;
 };
 constexpr auto flag_commands = std::to_array<FlagCommand>({{Command::run, "`run`"},
+                                                           {Command::replay, "`replay`"},
                                                            {Command::capture, "`capture`"},
                                                            {Command::bvh, "`bvh`"},
                                                            {Command::bench, "`bench`"},
@@ -39,7 +40,8 @@ constexpr auto flag_groups = std::to_array<FlagGroup>({
     {"**Simulation** (`run`, `capture`, `bvh`, `bench`, `accuracy` and the viewer). These change the result "
      "and override the scene.",
      stepping_commands},
-    {"**Execution** (the same commands). These never change the result.", stepping_commands},
+    {"**Execution** (the same commands, and `replay`). These never change the result.",
+     stepping_commands | bit(Command::replay)},
     {"**`run`**", bit(Command::run)},
     {"**Pictures** (`capture`, `bench frames` and the viewer)", drawing_commands},
     {"**Measurements** (`bench`, `bvh`, `accuracy`)", measuring_commands},

@@ -1,9 +1,10 @@
 #include "sim_cuda/run/run_state.h"
 
-#include "sim_cuda/core/hash.h"
-#include "sim_cuda/scene/scene_file.h"
+#include <bit>
 
+#include "sim_cuda/core/hash.h"
 #include "sim_cuda/scene/placed_joint.h"
+#include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
 namespace {
@@ -17,6 +18,39 @@ std::vector<Value> by_new_id(const std::vector<Value>& values, const BodyIdMap& 
     if (ids[body] != no_body) moved[ids[body]] = values[first + body];
   return moved;
 }
+
+/// Hash of lists, in four lanes, because each word waits for the last one of its lane.
+class StateHash {
+ public:
+  void add(std::uint64_t bits) { lane_[0] = mix64(lane_[0] ^ bits); }
+  /// Lists of numbers, or of records that consist of doubles.
+  template <class Item>
+  void list(const std::vector<Item>& items) {
+    add(items.size());
+    if constexpr (std::is_integral_v<Item>) {
+      for (const Item item : items) add(item);
+    } else {
+      static_assert(sizeof(Item) % sizeof(double) == 0);
+      doubles(reinterpret_cast<const double*>(items.data()), items.size() * (sizeof(Item) / sizeof(double)));
+    }
+  }
+  std::uint64_t value() const {
+    std::uint64_t sum = 0;
+    for (const std::uint64_t lane : lane_) sum = mix64(sum ^ lane);
+    return sum;
+  }
+
+ private:
+  void doubles(const double* data, std::size_t count) {
+    std::size_t k = 0;
+    for (; k + lanes <= count; k += lanes)
+      for (std::size_t lane = 0; lane < lanes; ++lane)
+        lane_[lane] = mix64(lane_[lane] ^ hash_bits(data[k + lane]));
+    for (; k < count; ++k) add(hash_bits(data[k]));
+  }
+  static constexpr std::size_t lanes = 4;
+  std::uint64_t lane_[lanes] = {};
+};
 
 WarmStart remap_bodies(const WarmStart& warm_start, const BodyIdMap& ids, std::size_t count) {
   WarmStart moved;
@@ -61,6 +95,34 @@ WarmStart remap_bodies(const WarmStart& warm_start, const BodyIdMap& ids, std::s
 }
 
 }  // namespace
+
+std::uint64_t full_hash(const RunState& state) {
+  StateHash hash;
+  hash.add(static_cast<std::uint64_t>(state.steps));
+  hash.add(hash_bits(state.time));
+  for (const auto* vectors : {&state.bodies.position, &state.bodies.velocity, &state.bodies.angular_velocity})
+    hash.list(*vectors);
+  hash.list(state.bodies.orientation);
+  hash.list(state.static_impulses);
+  hash.list(state.frozen);
+  const WarmStart& warm_start = state.warm_start;
+  for (const ContactImpulse& contact : warm_start.contacts) {
+    hash.add(std::uint64_t{contact.a} << 32 | contact.b);
+    hash.add(hash_bits(contact.impulse));
+  }
+  for (const auto& wall : warm_start.walls) hash.list(wall);
+  for (const auto* vectors :
+       {&warm_start.friction, &warm_start.wall_friction, &warm_start.rolling, &warm_start.wall_rolling})
+    hash.list(*vectors);
+  hash.list(warm_start.sleep_timer);
+  for (const WarmStartJoint& joint : warm_start.joints) {
+    hash.add(std::uint64_t{joint.a} << 32 | joint.b);
+    hash.add(joint.kind);
+    for (const double part : joint.impulse) hash.add(hash_bits(part));
+  }
+  hash.list(warm_start.loop_energies);
+  return hash.value();
+}
 
 RunState remap_bodies(const RunState& state, const BodyIdMap& ids, BodyStates fresh) {
   const std::size_t known = state.bodies.position.size(), count = fresh.position.size();

@@ -28,6 +28,9 @@ struct RunState {
 /// Hash of all settings except the bodies; 0 if the scene has no sleeping.
 std::uint64_t settings_hash(Scene scene);
 
+/// Hash of the whole state, warm-start data included. World::state_hash() is that of the bodies alone.
+std::uint64_t full_hash(const RunState& state);
+
 /// Maps a state to other bodies. `ids`: new ids, see World::restore. Bodies not in `ids` have the state in
 /// `fresh`, which contains all bodies. Contacts and joints of a removed body are removed, and their other
 /// bodies get a zero sleep timer, since they may have lost support.

@@ -13,7 +13,7 @@
 #include <system_error>
 
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/core/hash.h"
+#include "sim_cuda/core/fingerprint.h"
 #include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/scene/placed_joint.h"
 #include "sim_cuda/scene/scene_file.h"
@@ -27,7 +27,7 @@ static_assert(sizeof(Vector3d) == 24 && sizeof(Quaterniond) == 32 && sizeof(Stat
               sizeof(ContactImpulse) == 16 && sizeof(WarmStartJoint) == 72);
 static_assert(sizeof(WarmStart) == 9 * sizeof(std::vector<int>), "visit() must cover all members");
 
-constexpr std::size_t word = 8;
+constexpr std::size_t word = Fingerprint::word;
 constexpr std::size_t padded(std::size_t bytes) { return (bytes + word - 1) / word * word; }
 
 struct Header {
@@ -37,22 +37,6 @@ struct Header {
   std::uint64_t file_bytes = 0;
 };
 static_assert(sizeof(Header) == 40);
-
-/// Hash over 8-byte words in order.
-class Fingerprint {
- public:
-  void add(const void* data, std::size_t bytes) {
-    for (std::size_t at = 0; at < bytes; at += word) {
-      std::uint64_t next = 0;
-      std::memcpy(&next, static_cast<const char*>(data) + at, word);
-      hash_ = mix64(hash_ ^ next);
-    }
-  }
-  std::uint64_t value() const { return hash_; }
-
- private:
-  std::uint64_t hash_ = 0;
-};
 
 /// Visits the members of a snapshot in file order, for reading and writing.
 template <class Archive, class SnapshotOrConst>
@@ -82,6 +66,8 @@ void visit(Archive& archive, std::string& scene, std::string& directory, Snapsho
   if (archive.version() >= 4) archive.number(snapshot.physics_version);
   if (archive.version() >= 5) archive.list(warm_start.loop_energies);
 }
+
+constexpr const char* what_writes_one = "\"collidoscope-headless run SCENE --save FILE\" writes one";
 
 class Writer {
  public:
@@ -129,18 +115,27 @@ class Writer {
   std::uint64_t bytes_ = 0;
 };
 
+/// Opens a snapshot file. Throws InputError.
+SnapshotSource open_snapshot(const std::string& file) {
+  const auto refuse = [&](const std::string& what) { throw InputError(file + ": " + what); };
+  std::error_code failed;
+  if (std::filesystem::is_directory(file, failed)) refuse("is a folder; expected a snapshot file");
+  if (std::filesystem::is_fifo(file, failed))
+    refuse("is a pipe; expected a regular file, because a snapshot is read twice");
+  errno = 0;
+  std::FILE* const stream = std::fopen(file.c_str(), "rb");
+  if (stream == nullptr)
+    refuse("cannot be opened (" + std::generic_category().message(errno) + "); " + what_writes_one);
+  const std::uintmax_t bytes = std::filesystem::file_size(file, failed);
+  return {stream, 0, failed ? 0 : bytes, file};
+}
+
 class Reader {
  public:
-  explicit Reader(const std::string& file) : file_(file) {
-    std::error_code failed;
-    if (std::filesystem::is_directory(file, failed)) refuse("is a folder; expected a snapshot file");
-    if (std::filesystem::is_fifo(file, failed))
-      refuse("is a pipe; expected a regular file, because a snapshot is read twice");
-    errno = 0;
-    stream_.reset(std::fopen(file.c_str(), "rb"));
-    if (!stream_)
-      refuse("cannot be opened (" + std::generic_category().message(errno) + "); " + what_writes_one);
-    check_header();
+  explicit Reader(const SnapshotSource& source)
+      : file_(source.name), stream_(source.stream), begin_(source.begin) {
+    seek(0);
+    check_header(source.bytes);
     check_hash();
     left_ -= word;  // hash at the end
     seek(sizeof(Header));
@@ -177,12 +172,10 @@ class Reader {
   }
 
  private:
-  static constexpr const char* what_writes_one = "\"collidoscope-headless run SCENE --save FILE\" writes one";
-
-  void check_header() {
+  void check_header(std::uint64_t bytes) {
     const Header expected;
     Header header;
-    const std::size_t got = std::fread(&header, 1, sizeof header, stream_.get());
+    const std::size_t got = std::fread(&header, 1, sizeof header, stream_);
     if (got < sizeof header || std::memcmp(header.kind, expected.kind, sizeof header.kind) != 0)
       refuse(std::string("is not a snapshot; ") + what_writes_one);
     if (header.byte_order != expected.byte_order)
@@ -192,10 +185,8 @@ class Reader {
                          header.version, oldest_snapshot_version, expected.version,
                          header.version > expected.version ? ": use a newer version" : ": save it again"));
     version_ = header.version;
-    std::error_code failed;
-    const std::uintmax_t bytes = std::filesystem::file_size(file_, failed);
-    if (failed || bytes != header.file_bytes || bytes < sizeof header + word || bytes % word != 0)
-      damaged(fmt::format("it has {} of {} bytes", failed ? 0 : bytes, header.file_bytes));
+    if (bytes != header.file_bytes || bytes < sizeof header + word || bytes % word != 0)
+      damaged(fmt::format("it has {} of {} bytes", bytes, header.file_bytes));
     left_ = bytes - sizeof header;
     fingerprint_.add(&header, sizeof header);
   }
@@ -236,16 +227,18 @@ class Reader {
     left_ -= padded(bytes);
   }
   void read(void* data, std::size_t bytes) {
-    if (bytes > 0 && std::fread(data, 1, bytes, stream_.get()) != bytes)
+    if (bytes > 0 && std::fread(data, 1, bytes, stream_) != bytes)
       refuse("cannot be read to its end" +
-             (std::ferror(stream_.get()) ? " (" + std::generic_category().message(errno) + ")" : ""));
+             (std::ferror(stream_) ? " (" + std::generic_category().message(errno) + ")" : ""));
   }
-  void seek(long to) {
-    if (std::fseek(stream_.get(), to, SEEK_SET) != 0) refuse("cannot be read twice; expected a regular file");
+  void seek(std::uint64_t to) {
+    if (std::fseek(stream_, static_cast<long>(begin_ + to), SEEK_SET) != 0)
+      refuse("cannot be read twice; expected a regular file");
   }
 
   std::string file_;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream_{nullptr, &std::fclose};
+  std::FILE* stream_;
+  std::uint64_t begin_;
   std::uint32_t version_ = 0;
   std::uint64_t left_ = 0;   ///< unread bytes, without the hash
   Fingerprint fingerprint_;  ///< hash of the bytes read so far
@@ -307,8 +300,14 @@ void write_snapshot(const Snapshot& snapshot, const std::function<void(std::stri
 }
 
 Snapshot read_snapshot(const std::string& file) {
+  const SnapshotSource source = open_snapshot(file);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(source.stream, &std::fclose);
+  return read_snapshot(source);
+}
+
+Snapshot read_snapshot(const SnapshotSource& source) {
   return with_allocation_context("reading a snapshot", [&] {
-    Reader reader(file);
+    Reader reader(source);
     Snapshot snapshot;
     snapshot.physics_version = first_physics_version;  // of files without the number
     std::string scene, directory;
@@ -319,7 +318,7 @@ Snapshot read_snapshot(const std::string& file) {
     if (snapshot.physics_version < first_physics_version)
       reader.damaged(fmt::format("its physics version is {}", snapshot.physics_version));
     if (!fits(snapshot.state)) reader.damaged("its lists have inconsistent lengths");
-    snapshot.scene = parse_scene(scene, file, directory.empty() ? "." : directory);
+    snapshot.scene = parse_scene(scene, source.name, directory.empty() ? "." : directory);
     // Recomputed, since another version may have formatted the scene's text differently.
     snapshot.state.settings = settings_hash(snapshot.scene);
     return snapshot;

@@ -7,6 +7,7 @@
 // pieces, so the caller can replace a file atomically.
 
 #include <cstdint>
+#include <cstdio>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -42,6 +43,13 @@ void write_snapshot(const Snapshot& snapshot, const std::function<void(std::stri
 /// Reads and validates a file: kind, version, size, hash, and list lengths before memory is allocated.
 /// Throws InputError with one line that begins with the file name.
 Snapshot read_snapshot(const std::string& file);
+/// A snapshot within an open file that can be read twice.
+struct SnapshotSource {
+  std::FILE* stream;
+  std::uint64_t begin, bytes;  ///< where it begins in the file, and its size
+  std::string name;            ///< begins the lines of errors
+};
+Snapshot read_snapshot(const SnapshotSource& source);
 
 /// Continues a run. With the snapshot's own scene and physics version, it continues bit for bit. `scene` may
 /// have other settings, as for World::restore(). Throws as World does. Throws InputError if the scene is the

@@ -7,11 +7,14 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 
 #include "sim_cuda/changes/changes_file.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/fingerprint.h"
 #include "sim_cuda/core/hash.h"
+#include "sim_cuda/recording/recording_file.h"
 #include "sim_cuda/scene/mesh.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/snapshot/snapshot.h"
@@ -83,6 +86,22 @@ void check_snapshot_file(const std::string& bytes) {
   expect(written(same) == again, "a snapshot that is written otherwise when it is read again");
 }
 
+void check_recording_file(const std::string& bytes) {
+  const MemoryFile file(bytes);
+  std::optional<RecordingReader> recording;
+  if (!reads(file.name(), [&] { recording.emplace(file.name()); })) return;
+  expect(recording->valid_bytes() <= recording->bytes(), "more valid bytes than bytes");
+  for (const RecordingReader::Event& event : recording->events()) {
+    if (event.kind == RecordingReader::Kind::keyframe)
+      reads(file.name(), [&] { recording->keyframe(event); });
+    if (event.kind == RecordingReader::Kind::change)
+      reads(file.name(), [&] {
+        parse_changes(recording->change(event), recording->place(event),
+                      parse_scene(changed_scene(), file_name), {}, event.step);
+      });
+  }
+}
+
 }  // namespace
 
 bool reads(const std::string& file, const std::function<void()>& read) {
@@ -152,6 +171,31 @@ void check_snapshot(const std::string& bytes) {
   }
   std::memcpy(mended.data() + mended.size() - word, &hash, word);
   check_snapshot_file(mended);
+}
+
+void check_recording(const std::string& bytes) {
+  check_recording_file(bytes);
+  constexpr std::size_t file_header = 32, chunk_header = 24, word = 8;
+  std::string mended = bytes;
+  const auto hash_of = [&](std::size_t at, std::size_t size) {
+    Fingerprint fingerprint;
+    fingerprint.add(mended.data() + at, size);
+    return fingerprint.value();
+  };
+  for (std::size_t at = file_header; at + chunk_header + word <= mended.size();) {
+    const std::uint64_t check = hash_of(at, 2 * word);
+    std::memcpy(mended.data() + at + 2 * word, &check, word);
+    std::uint64_t size = 0;
+    std::memcpy(&size, mended.data() + at + word, word);
+    const std::size_t payload = at + chunk_header, rest = mended.size() - payload - word;
+    if (size > rest) break;
+    size = (size + word - 1) / word * word;
+    if (size > rest) break;
+    const std::uint64_t hash = hash_of(payload, size);
+    std::memcpy(mended.data() + payload + size, &hash, word);
+    at = payload + size + word;
+  }
+  check_recording_file(mended);
 }
 
 void check_object(const std::string& text) {

@@ -18,6 +18,8 @@ void check_changes(const std::string& text);
 /// Checks the bytes as they are, and with the correct size and hash, so that the reader reaches the data
 /// after them.
 void check_snapshot(const std::string& bytes);
+/// Checks the bytes as they are, and with the correct hashes of all chunks.
+void check_recording(const std::string& bytes);
 /// Checks a criterion of changed_scene(), and one of a scene that was not readable.
 void check_criterion(const std::string& text);
 void check_object(const std::string& text);

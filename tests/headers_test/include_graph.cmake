@@ -51,6 +51,7 @@ folder(sim_cuda NOT "${drawing}|CLI/" MAY sim_cuda/core sim_cuda/scene sim_cuda/
   sim_cuda/publish sim_cuda/run)
 sim(changes core scene broad_phase run world)
 sim(snapshot core scene run world)
+sim(recording core scene run world changes snapshot)
 sim(reference core scene dynamics solver measure run world)
 sim(accuracy core scene run world reference)
 sim(stability core scene broad_phase solver measure run world changes snapshot)
