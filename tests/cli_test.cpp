@@ -129,8 +129,11 @@ INSTANTIATE_TEST_SUITE_P(
     Flags, BadInputTest,
     testing::Values(
         BadInput{"NoCommand", "", {}, 2, "missing command, expected .*run, replay, capture.*"},
-        BadInput{
-            "UnknownCommand", "", {"simulate"}, 2, "simulate: unknown command, expected .*run, replay, capture.*"},
+        BadInput{"UnknownCommand",
+                 "",
+                 {"simulate"},
+                 2,
+                 "simulate: unknown command, expected .*run, replay, capture.*"},
         BadInput{"NoScene", "", {"run"}, 2, "run: missing file, expected run SCENE"},
         BadInput{"TwoScenes", "", {"run", "gas", "empty"}, 2, "empty: unexpected argument; usage: .*"},
         BadInput{"UnknownFlag", "", run_with({"--stepz", "3"}), 2, "--stepz: unknown flag; .*"},
