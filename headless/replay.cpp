@@ -14,7 +14,7 @@
 namespace collidoscope {
 namespace {
 
-std::string json_of(const RecordingReader& recording, const ReplayResult& result) {
+std::string json_of_replay(const RecordingReader& recording, const ReplayResult& result) {
   nlohmann::ordered_json report;
   report["file"] = recording.name();
   report["ended"] = recording.ended();
@@ -25,7 +25,7 @@ std::string json_of(const RecordingReader& recording, const ReplayResult& result
   return report.dump(2) + '\n';
 }
 
-std::string text_of(const RecordingReader& recording, const ReplayResult& result) {
+std::string text_of_replay(const RecordingReader& recording, const ReplayResult& result) {
   return fmt::format("{}: {} states, {} changes and {} keyframes agree{}\n", recording.name(), result.states,
                      result.changes, result.keyframes,
                      recording.ended() ? "" : "; the recorded run did not end");
@@ -49,10 +49,10 @@ int replay_command(const CommandLine& line) {
     fmt::print(stderr, "note: {}: byte {}: the last chunk is incomplete and was left out\n", recording.name(),
                recording.valid_bytes());
   if (json) {
-    json->write(json_of(recording, result));
+    json->write(json_of_replay(recording, result));
     json->commit();
   }
-  print(options.json == "-" ? json_of(recording, result) : text_of(recording, result));
+  print(options.json == "-" ? json_of_replay(recording, result) : text_of_replay(recording, result));
   if (!result.difference) return 0;
   fmt::print(stderr, "{}\n", *result.difference);
   return 1;

@@ -70,8 +70,8 @@ TEST_F(DevRun, OfASnapshotNamesNoScene) {
 /// `now`.
 Outcome gpu_check(const std::string& committed, const std::string& now) {
   const TemporaryFolder folder;
-  const fs::path script = project_file(".ci/gpu-check"), results = project_file("assets/results/nvidia-h200"),
-                 copies = folder / "assets/results/nvidia-h200";
+  const fs::path script = project_file(".ci/gpu-check"), results = project_file("assets/results/nvidia-h100"),
+                 copies = folder / "assets/results/nvidia-h100";
   // A bundle has the script in its root.
   fs::copy_file(fs::exists(script) ? script : project_file("gpu-check"), folder / "gpu-check");
   fs::create_directories(copies);

@@ -19,7 +19,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "files contain values in little-endian byte order, as in memory");
 
-constexpr std::uint64_t word = Fingerprint::word;
+constexpr std::uint64_t recording_word = Fingerprint::word;
 
 struct FileHeader {
   char kind[24] = "collidoscope-recording\n";
@@ -35,7 +35,7 @@ struct ChunkHeader {
   std::uint64_t check = 0;  ///< hash of the members above
   std::uint64_t hash() const {
     Fingerprint fingerprint;
-    fingerprint.add(this, 2 * word);
+    fingerprint.add(this, 2 * recording_word);
     return fingerprint.value();
   }
 };
@@ -44,8 +44,10 @@ static_assert(sizeof(ChunkHeader) == 24);
 /// Length of a chunk that is being written. It is longer than any file.
 constexpr std::uint64_t unfinished = ~std::uint64_t{0};
 
-constexpr std::uint64_t padded(std::uint64_t bytes) { return (bytes + word - 1) / word * word; }
-std::string reason() { return std::generic_category().message(errno); }
+constexpr std::uint64_t padded_payload(std::uint64_t bytes) {
+  return (bytes + recording_word - 1) / recording_word * recording_word;
+}
+std::string system_reason() { return std::generic_category().message(errno); }
 
 /// Type as text, for messages.
 std::string shown_type(const ChunkType& type) {
@@ -74,7 +76,7 @@ RecordingWriter::RecordingWriter(const std::string& file) : name_(file) {
     throw InputError(file + ": is not a regular file, expected a file name for the recording");
   errno = 0;
   stream_.reset(std::fopen(file.c_str(), "wb"));
-  if (!stream_) throw InputError(file + ": cannot be written (" + reason() + ")");
+  if (!stream_) throw InputError(file + ": cannot be written (" + system_reason() + ")");
   const FileHeader header;
   put(&header, sizeof header);
   flush();
@@ -90,36 +92,36 @@ void RecordingWriter::write(const ChunkType& type, const std::function<void(cons
   put(&header, sizeof header);
   header.bytes = 0;
   Fingerprint fingerprint;
-  std::array<char, word> rest{};  // of a piece that ends within a word
+  std::array<char, recording_word> rest{};  // of a piece that ends within a word
   write_payload([&](std::string_view piece) {
     put(piece.data(), piece.size());
-    std::size_t held = header.bytes % word;
+    std::size_t held = header.bytes % recording_word;
     header.bytes += piece.size();
-    while (!piece.empty() && (held > 0 || piece.size() < word)) {
+    while (!piece.empty() && (held > 0 || piece.size() < recording_word)) {
       rest[held++] = piece[0];
       piece.remove_prefix(1);
-      if (held == word) {
-        fingerprint.add(rest.data(), word);
+      if (held == recording_word) {
+        fingerprint.add(rest.data(), recording_word);
         held = 0;
       }
     }
-    const std::size_t whole = piece.size() / word * word;
+    const std::size_t whole = piece.size() / recording_word * recording_word;
     fingerprint.add(piece.data(), whole);
     std::copy(piece.begin() + static_cast<std::ptrdiff_t>(whole), piece.end(), rest.begin());
   });
-  if (const std::size_t held = header.bytes % word; held > 0) {
+  if (const std::size_t held = header.bytes % recording_word; held > 0) {
     std::fill(rest.begin() + static_cast<std::ptrdiff_t>(held), rest.end(), '\0');
-    fingerprint.add(rest.data(), word);
-    put(rest.data() + held, word - held);
+    fingerprint.add(rest.data(), recording_word);
+    put(rest.data() + held, recording_word - held);
   }
   const std::uint64_t hash = fingerprint.value();
-  put(&hash, word);
+  put(&hash, recording_word);
   flush();
   header.check = header.hash();
   seek(end_);
   put(&header, sizeof header);
   flush();
-  end_ += sizeof header + padded(header.bytes) + word;
+  end_ += sizeof header + padded_payload(header.bytes) + recording_word;
 }
 
 void RecordingWriter::write(const ChunkType& type, std::string_view payload) {
@@ -139,8 +141,8 @@ void RecordingWriter::flush() {
   if (std::fflush(stream_.get()) != 0) fail();
 }
 void RecordingWriter::fail() const {
-  throw MachineError(
-      fmt::format("{}: cannot be written: {}; the recording is valid up to byte {}", name_, reason(), end_));
+  throw MachineError(fmt::format("{}: cannot be written: {}; the recording is valid up to byte {}", name_,
+                                 system_reason(), end_));
 }
 
 // ---- reading ----
@@ -151,7 +153,7 @@ struct RecordingReader::Chunk {
   std::uint64_t bytes;  ///< of the payload
   std::uint64_t begin;  ///< of the header
   std::uint64_t payload() const { return begin + sizeof(ChunkHeader); }
-  std::uint64_t end() const { return payload() + padded(bytes) + word; }
+  std::uint64_t end() const { return payload() + padded_payload(bytes) + recording_word; }
 };
 
 RecordingReader::RecordingReader(const std::string& file) : name_(file) {
@@ -160,7 +162,7 @@ RecordingReader::RecordingReader(const std::string& file) : name_(file) {
     throw InputError(file + ": is not a regular file; expected a recording");
   errno = 0;
   stream_.reset(std::fopen(file.c_str(), "rb"));
-  if (!stream_) throw InputError(file + ": cannot be opened (" + reason() + ")");
+  if (!stream_) throw InputError(file + ": cannot be opened (" + system_reason() + ")");
   bytes_ = std::filesystem::file_size(file, failed);
   FileHeader header;
   const FileHeader expected;
@@ -187,7 +189,7 @@ bool RecordingReader::next(std::uint64_t at, Chunk& chunk) const {
   read(at, &header, sizeof header);
   if (header.check != header.hash()) refuse(at, "the header of the chunk is damaged");
   const std::uint64_t rest = bytes_ - at - sizeof header;
-  if (header.bytes > rest || padded(header.bytes) + word > rest) return false;
+  if (header.bytes > rest || padded_payload(header.bytes) + recording_word > rest) return false;
   chunk = {header.type, header.version, header.bytes, at};
   check_hash(chunk);
   return true;
@@ -197,7 +199,7 @@ void RecordingReader::check_hash(const Chunk& chunk) const {
   Fingerprint fingerprint;
   std::vector<char> block(1 << 16);
   std::uint64_t at = chunk.payload();
-  for (std::uint64_t rest = padded(chunk.bytes); rest > 0;) {
+  for (std::uint64_t rest = padded_payload(chunk.bytes); rest > 0;) {
     const std::uint64_t bytes = std::min<std::uint64_t>(rest, block.size());
     read(at, block.data(), bytes);
     fingerprint.add(block.data(), bytes);
@@ -205,7 +207,7 @@ void RecordingReader::check_hash(const Chunk& chunk) const {
     rest -= bytes;
   }
   std::uint64_t hash = 0;
-  read(at, &hash, word);
+  read(at, &hash, recording_word);
   if (hash != fingerprint.value())
     refuse(chunk.begin,
            fmt::format("the contents of the chunk {} do not match their hash", shown_type(chunk.type)));
@@ -236,10 +238,10 @@ void RecordingReader::take(const Chunk& chunk) {
   }
   const bool is_keyframe = event.kind == Kind::keyframe;
   require(is_keyframe || !events_.empty(), "comes before the first keyframe");
-  const std::uint64_t prefix = is_keyframe ? 2 * word : word;
+  const std::uint64_t prefix = is_keyframe ? 2 * recording_word : recording_word;
   require(chunk.bytes >= prefix, "is too short");
-  read(chunk.payload(), &event.step, word);
-  if (is_keyframe) read(chunk.payload() + word, &event.full_hash, word);
+  read(chunk.payload(), &event.step, recording_word);
+  if (is_keyframe) read(chunk.payload() + recording_word, &event.full_hash, recording_word);
   require(event.step >= 0, "negative number of steps");
   event.begin = chunk.payload() + prefix;
   event.bytes = chunk.bytes - prefix;
@@ -269,7 +271,7 @@ void RecordingReader::read(std::uint64_t at, void* data, std::uint64_t bytes) co
   errno = 0;
   if (bytes > 0 && (std::fseek(stream_.get(), static_cast<long>(at), SEEK_SET) != 0 ||
                     std::fread(data, 1, bytes, stream_.get()) != bytes))
-    refuse(at, errno != 0 ? "cannot be read (" + reason() + ")" : "was shortened while it was read");
+    refuse(at, errno != 0 ? "cannot be read (" + system_reason() + ")" : "was shortened while it was read");
 }
 
 std::string RecordingReader::read_text(std::uint64_t at, std::uint64_t bytes) const {

@@ -12,7 +12,7 @@
 namespace collidoscope {
 namespace {
 
-using Event = RecordingReader::Event;
+using RecordedEvent = RecordingReader::Event;
 
 /// Removes the settings of the execution, which do not affect the state.
 Change physical_part(Change change) {
@@ -30,7 +30,7 @@ class Replayed {
       : recording_(recording), options_(options), world_(first_world()) {}
 
   ReplayResult run(const std::function<void(std::int64_t)>& done) {
-    for (const Event& event : recording_.events()) {
+    for (const RecordedEvent& event : recording_.events()) {
       switch (event.kind) {
         case RecordingReader::Kind::keyframe:
           compare_keyframe(event);
@@ -49,7 +49,7 @@ class Replayed {
 
  private:
   World first_world() const {
-    const Event& first = recording_.events().front();
+    const RecordedEvent& first = recording_.events().front();
     const Snapshot snapshot = recording_.keyframe(first);
     if (snapshot.physics_version != physics_version)
       throw MachineError(
@@ -57,22 +57,22 @@ class Replayed {
                       recording_.name(), snapshot.physics_version, physics_version));
     return world_from(snapshot, snapshot.scene, options_);
   }
-  void require_step(const Event& event) {
+  void require_step(const RecordedEvent& event) {
     if (event.step != world_.steps())
       throw InputError(fmt::format("{}: state {}, expected state {}", recording_.place(event), event.step,
                                    world_.steps()));
   }
-  void compare(const Event& event, std::uint64_t recorded, std::uint64_t actual, const char* what) {
+  void compare(const RecordedEvent& event, std::uint64_t recorded, std::uint64_t actual, const char* what) {
     if (recorded == actual || result_.difference) return;
     result_.difference = fmt::format("{}: state {}: recorded {} {:016x}, actual {:016x}",
                                      recording_.place(event), world_.steps(), what, recorded, actual);
   }
-  void compare_keyframe(const Event& event) {
+  void compare_keyframe(const RecordedEvent& event) {
     require_step(event);
     compare(event, event.full_hash, full_hash(world_.state()), "hash with warm-start data");
     if (!result_.difference) ++result_.keyframes;
   }
-  void repeat_change(const Event& event) {
+  void repeat_change(const RecordedEvent& event) {
     require_step(event);
     const ChangeList list = parse_changes(recording_.change(event), recording_.place(event), world_.scene(),
                                           world_.options(), world_.steps());
@@ -83,7 +83,7 @@ class Replayed {
       if (auto next = world_after_change(world_, change, world_.options())) world_ = std::move(*next);
     ++result_.changes;
   }
-  void step_through(const Event& event, const std::function<void(std::int64_t)>& done) {
+  void step_through(const RecordedEvent& event, const std::function<void(std::int64_t)>& done) {
     require_step(event);
     for (const RecordedHash& hash : event.hashes) {
       const std::int64_t before = world_.steps();
