@@ -19,6 +19,9 @@ namespace {
 /// or shown only for a selected body, node or query.
 std::vector<std::string> named_widgets() {
   std::vector<std::string> names{"scene",
+                                 "run.back",
+                                 "run.timeline",
+                                 "run.forward",
                                  "graph.momentum",
                                  "timing.json",
                                  "timing.keys",

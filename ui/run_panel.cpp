@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "ui/panels.h"
@@ -42,6 +43,45 @@ void draw_edited(Workspace& workspace, const WorkspaceView& view) {
       "file, to the same hash");
 }
 
+/// A slider over all states of the run, between buttons for the state before and after.
+void draw_timeline(Workspace& workspace, const WorkspaceView& view) {
+  const auto& [first, last, changes] = *view.timeline;
+  const std::int64_t now = view.stats.step;
+  const auto request = [&](std::int64_t state) {
+    workspace.state_request = std::clamp(state, first, last);
+    workspace.playing = false;
+    workspace.step_requests = 0;
+  };
+  row_label("timeline", "All states of this run. A change in an earlier state drops the later ones");
+  const float gap = ImGui::GetStyle().ItemInnerSpacing.x, button = ImGui::GetFrameHeight();
+  const float width = ImGui::GetContentRegionAvail().x - 2 * (button + gap);
+  if (ImGui::Button("<##state", {button, 0})) request(now - 1);
+  track(workspace, "run.back");
+  explain("Shift+S: the state before");
+  ImGui::SameLine(0, gap);
+  ImGui::SetNextItemWidth(width);
+  std::int64_t state = now;
+  if (ImGui::SliderScalar("##timeline", ImGuiDataType_S64, &state, &first, &last,
+                          fmt::format("%lld of {}", last).c_str(), ImGuiSliderFlags_AlwaysClamp) &&
+      state != now)
+    request(state);
+  track(workspace, "run.timeline");
+  explain("Drag: go to a state of this run. Ticks: changes");
+  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  const float inset = ImGui::GetStyle().GrabMinSize / 2;
+  for (const std::int64_t change : changes) {
+    const double share =
+        static_cast<double>(change - first) / static_cast<double>(std::max<std::int64_t>(last - first, 1));
+    const float x = low.x + inset + static_cast<float>(share) * (high.x - low.x - 2 * inset);
+    ImGui::GetWindowDrawList()->AddLine({x, low.y}, {x, high.y}, ImGui::GetColorU32(ImGuiCol_PlotHistogram),
+                                        2);
+  }
+  ImGui::SameLine(0, gap);
+  if (ImGui::Button(">##state", {button, 0})) workspace.request_step();
+  track(workspace, "run.forward");
+  explain("S: the next state");
+}
+
 }  // namespace
 
 void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
@@ -76,6 +116,7 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
     track(workspace, "run.speed");
     row_text("state", fmt::format("{}{}", grouped_number(view.stats.step),
                                   std::isfinite(view.time) ? fmt::format(" · t = {:.3f} s", view.time) : ""));
+    if (view.timeline) draw_timeline(workspace, view);
     row_text(
         "achieved",
         view.with_times && view.frames_per_second > 0

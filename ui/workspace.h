@@ -91,11 +91,12 @@ struct Workspace {
   // Requests, cleared by the caller when handled.
   int step_requests = 0;
   bool restart_requested = false, screenshot_requested = false, csv_requested = false, json_requested = false;
-  bool changes_file_requested = false;  ///< write the changes since the start to a file
-  bool projectile_requested = false;    ///< add a body, launched from the camera
-  bool removal_requested = false;       ///< remove the selected body
-  bool measure_effects = false;         ///< measure the cost of each effect
-  bool reference_requested = false;     ///< restart the reference from the present state
+  std::optional<std::int64_t> state_request;  ///< go to this state of the run
+  bool changes_file_requested = false;        ///< write the changes since the start to a file
+  bool projectile_requested = false;          ///< add a body, launched from the camera
+  bool removal_requested = false;             ///< remove the selected body
+  bool measure_effects = false;               ///< measure the cost of each effect
+  bool reference_requested = false;           ///< restart the reference from the present state
   CameraRequest camera_request = CameraRequest::none;
 
   std::optional<std::uint32_t> selection;  ///< id of a body
@@ -173,7 +174,13 @@ struct WorkspaceView {
   int key_bits = 0;  ///< length of the Morton codes; 0: none
 
   StepStats stats;
-  double time = 0;              ///< s, simulated time
+  double time = 0;  ///< s, simulated time
+  /// States of the run that can be reached. Unset: the run has no timeline.
+  struct TimelineView {
+    std::int64_t first = 0, last = 0;
+    std::vector<std::int64_t> changes;  ///< states at which a change was made
+  };
+  std::optional<TimelineView> timeline;
   double real_time_factor = 0;  ///< simulated seconds per second
   double frames_per_second = 0;
   std::int64_t allocated_bytes = 0;

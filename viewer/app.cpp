@@ -173,6 +173,7 @@ void App::fill(WorkspaceView& view) {
   view.level_sizes = live_.level_sizes(workspace_.layers.boxes || !workspace_.playing);
   view.edited = live_.edited();
   view.changes = std::ssize(live_.changes());
+  view.timeline = {live_.timeline().first(), live_.timeline().last(), live_.timeline().changes()};
   if (workspace_.visible_panels.right && workspace_.visible_panels.effects) {
     view.effect_views = costs_.views(live_.world());
     view.measuring_effects = workspace_.measure_effects && !costs_.done();

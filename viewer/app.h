@@ -59,6 +59,7 @@ class App {
   void apply_settings(double seconds);
   bool finish_presimulation(const Scene& scene, double seconds, std::optional<RunState>& rest);
   void restart(double seconds);
+  void go_to_requested_state();
   void advance(double seconds);
   void show_notice(const std::string& notice);
   void export_history(bool csv);

@@ -57,7 +57,12 @@ void App::handle_key(const InputEvent& event) {
       break;
     case GLFW_KEY_S:
       if (flying || (event.modifiers & GLFW_MOD_CONTROL)) break;
-      workspace_.request_step(again);
+      if (event.modifiers & GLFW_MOD_SHIFT) {
+        workspace_.state_request = live_.world().steps() - 1;
+        workspace_.playing = false;
+      } else {
+        workspace_.request_step(again);
+      }
       break;
     case GLFW_KEY_R:
       workspace_.restart_requested |= !again;

@@ -32,6 +32,7 @@ void App::handle_requests(double seconds) {
   if (std::exchange(workspace_.changes_file_requested, false)) with_error_bar([&] { export_changes(); });
   if (std::exchange(workspace_.projectile_requested, false)) with_error_bar([&] { spawn_projectile(); });
   if (std::exchange(workspace_.removal_requested, false)) with_error_bar([&] { remove_selected(); });
+  with_error_bar([&] { go_to_requested_state(); });
   const bool pending = workspace_.settings != live_.settings();
   if (workspace_.restart_requested && !pending) with_error_bar([&] { restart(seconds); });
   if (!workspace_.restart_requested && !pending) presimulation_.reset();
@@ -43,6 +44,17 @@ void App::handle_requests(double seconds) {
   with_error_bar([&] { measure_effects(); });
   with_error_bar([&] { measure_accuracy(seconds); });
   with_error_bar([&] { follow_hard_cases(seconds); });
+}
+
+void App::go_to_requested_state() {
+  const std::optional<std::int64_t> state = std::exchange(workspace_.state_request, std::nullopt);
+  const Timeline& timeline = live_.timeline();
+  if (!state || *state < timeline.first() || *state > timeline.last() || *state == live_.world().steps())
+    return;
+  live_.go_to(*state);
+  workspace_.settings = live_.settings();
+  workspace_.playing = false;
+  steps_due_ = 0;
 }
 
 void App::measure_effects() {

@@ -9,6 +9,7 @@
 #include "headless/bench/predictors.h"
 #include "headless/bench/scaling.h"
 #include "headless/bench/solvers.h"
+#include "headless/bench/timeline.h"
 
 namespace collidoscope {
 namespace {
@@ -25,6 +26,8 @@ constexpr Suite every[] = {
      "--repeats --csv --markdown", bench_solvers},
     {"effects", "cost of each effect; a disabled effect must add no launch and no buffer",
      "--repeats --csv --markdown", bench_effects},
+    {"timeline", "time to reach an earlier state of a run of 10,000 steps, and the cost of keyframes",
+     "--repeats", bench_timeline},
     {"frames", "frame time of the viewer: simulate, publish, draw, panels",
      "--frames --layers --color --box-color --box-range --size --display-path --quality --supersample "
      "--sphere-method",

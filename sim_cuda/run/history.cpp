@@ -39,6 +39,12 @@ void History::clear() {
   first_ = 0;
 }
 
+void History::forget_after(std::int64_t step) {
+  std::ranges::rotate(steps_, steps_.begin() + static_cast<std::ptrdiff_t>(first_));
+  first_ = 0;
+  std::erase_if(steps_, [&](const HistoryStep& entry) { return entry.step > step; });
+}
+
 bool History::current(std::size_t stage) const {
   for (std::size_t i = size(); i-- > 0;) {
     const std::vector<float>& times = (*this)[i].stage_ms;

@@ -52,6 +52,8 @@ class History {
   /// step. New stage names are appended to stages().
   void add(HistoryStep step, const std::vector<StageTime>& stages);
   void clear();
+  /// Removes the steps whose state is later than `step`.
+  void forget_after(std::int64_t step);
 
   std::size_t size() const { return steps_.size(); }
   std::size_t capacity() const { return capacity_; }

@@ -118,6 +118,7 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"window", {frame.width, frame.height}},
                {"step", view.stats.step},
                {"playing", workspace.playing},
+               {"timeline", view.timeline ? Json{view.timeline->first, view.timeline->last} : Json(nullptr)},
                {"edited", view.edited},
                {"changes", view.changes},
                {"bodies", view.stats.bodies},

@@ -86,6 +86,7 @@ void LiveWorld::begin_record() {
   history_.clear();
   last_id_map_.clear();
   edited_ = false;
+  timeline_.begin(*world_);
 }
 
 void LiveWorld::replace(std::unique_ptr<World> world) {
@@ -130,6 +131,7 @@ std::string LiveWorld::apply(const Settings& request, const RunState* rest, bool
     if (first) pending_.reset();
     throw;
   }
+  if (change.physical()) branch();
   last_id_map_ = std::move(ids);
   if (!first) {
     edited_ = pending_->edited;
@@ -185,6 +187,7 @@ std::string LiveWorld::apply(Change change) {
   RunOptions unused;
   BodyIdMap ids = apply_change(change, after, unused);
   std::unique_ptr<World> next = world_after_change(*world_, change, world_->options());
+  if (change.physical()) branch();
   last_id_map_ = std::move(ids);
   pending_.reset();
   if (is_recorded(change)) record_change(changes_, change);
@@ -203,7 +206,12 @@ void LiveWorld::made(const Change& change, const Scene& before, std::unique_ptr<
   } else if (change.physical() && world_->steps() > 0) {
     edited_ = true;
   }
+  const bool restarts = requires_restart(before, next->scene());
   replace(std::move(next));
+  if (restarts)
+    timeline_.begin(*world_);
+  else if (change.physical())
+    timeline_.record_change(*world_);
   if (world_->steps() > 0) return;
   pending_.reset();
   collapse();
@@ -257,6 +265,7 @@ void LiveWorld::restart(const RunState* rest) {
     HardCaseSimulation again(script_.scene, script_.options, script_.changes);
     return open(std::move(again.world()), Script(script_));
   }
+  branch();
   replace(std::make_unique<World>(Scene(world_->scene()), RunOptions(world_->options()), rest));
   pending_.reset();
   record_restart(changes_);
@@ -265,16 +274,50 @@ void LiveWorld::restart(const RunState* rest) {
   history_.clear();
   last_id_map_.clear();
   edited_ = false;
+  timeline_.begin(*world_);
+}
+
+void LiveWorld::go_to(std::int64_t step) {
+  const std::optional<OnFailure> guards = settings().guards;
+  std::unique_ptr<World> world = timeline_.world_at(step, world_->options());
+  replace(std::move(world));
+  pending_.reset();
+  last_id_map_.clear();
+  if (settings().guards != guards) set_guards(guards);
+}
+
+/// Before a change: drops the states after the present one.
+void LiveWorld::branch() {
+  const std::int64_t now = world_->steps();
+  if (now >= timeline_.last()) return;
+  timeline_.forget_after(now);
+  history_.forget_after(now);
+  std::erase_if(changes_, [&](const Change& change) { return change.step > now; });
+  while (next_in_script_ > 0 && script_.changes[next_in_script_ - 1].step > now) --next_in_script_;
+}
+
+bool LiveWorld::step_through_past() {
+  const std::int64_t before = world_->steps();
+  world_->step();
+  stats_known_ = hash_known_ = false;
+  if (world_->steps() == before) return false;
+  timeline_.check(*world_);
+  if (timeline_.is_change(world_->steps())) go_to(world_->steps());
+  return true;
 }
 
 bool LiveWorld::step(bool measured) {
   const std::int64_t before = world_->steps();
+  if (before < timeline_.last()) return step_through_past();
   const std::vector<std::uint32_t> frozen = world_->validation().frozen();
+  const Clock::time_point start = Clock::now();
   world_->step();
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   stats_known_ = hash_known_ = false;
   pending_.reset();
   if (world_->validation().frozen().size() > frozen.size()) record_frozen(frozen, before);
   if (world_->steps() == before) return false;  // paused by a guard
+  timeline_.record_step(*world_, seconds);
   record_step(*world_, measured ? &stats() : nullptr, history_);
   play_script();
   return true;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim_cuda/changes/changes_file.h"
+#include "sim_cuda/recording/timeline.h"
 #include "sim_cuda/run/history.h"
 #include "sim_cuda/world.h"
 #include "ui/workspace.h"
@@ -76,6 +77,14 @@ class LiveWorld {
   /// Restarts at state 0 with the present settings.
   void restart(const RunState* rest = nullptr);
 
+  /// All states of this run. The world is at one of them.
+  const Timeline& timeline() const { return timeline_; }
+  /// Goes to a state of this run. Further steps go through the known states again, as long as nothing is
+  /// changed. A change in an earlier state starts a branch: later states, changes and history are dropped.
+  /// Throws MachineError if the state has another hash than before; nothing changes then. Precondition: the
+  /// timeline has the state.
+  void go_to(std::int64_t step);
+
   /// Freezes a body as guards do. Recorded as a change.
   void freeze(std::uint32_t body);
 
@@ -106,9 +115,12 @@ class LiveWorld {
   void replace(std::unique_ptr<World> world);
   void play_script();
   void set_guards(std::optional<OnFailure> request);
+  void branch();
+  bool step_through_past();
 
   std::unique_ptr<World> world_;
   History history_;
+  Timeline timeline_;
   std::vector<Change> changes_;
   std::optional<Pending> pending_;
   Scene first_scene_;  ///< initial scene of changes_

@@ -1,0 +1,91 @@
+#include "headless/bench/timeline.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "headless/cli/progress.h"
+#include "headless/cli/standard_output.h"
+#include "headless/reporting/percentiles.h"
+#include "headless/reporting/percentiles_json.h"
+#include "headless/reporting/report.h"
+#include "headless/reporting/result_files.h"
+#include "sim_cuda/core/hash.h"
+#include "sim_cuda/core/physics_version.h"
+#include "sim_cuda/recording/timeline.h"
+
+namespace collidoscope {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr std::int64_t timeline_steps = 10'000;
+
+struct TimelineCost {
+  double step_seconds = 0, record_seconds = 0;
+  std::vector<float> jump_ms;  ///< to a state chosen at random
+};
+
+/// Calls `work` and returns the seconds that it took.
+template <class Work>
+double seconds_of(const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+TimelineCost measure_timeline(World& world, Timeline& timeline, std::int64_t jumps) {
+  TimelineCost cost;
+  timeline.begin(world);
+  Progress progress("steps", timeline_steps);
+  for (std::int64_t step = 1; step <= timeline_steps; ++step) {
+    const double seconds = seconds_of([&] { world.step(); });
+    cost.step_seconds += seconds;
+    cost.record_seconds += seconds_of([&] { timeline.record_step(world, seconds); });
+    progress.update(step);
+  }
+  for (std::int64_t jump = 0; jump < jumps; ++jump) {
+    const auto state =
+        static_cast<std::int64_t>(mix64(static_cast<std::uint64_t>(jump)) % std::uint64_t{timeline_steps});
+    cost.jump_ms.push_back(
+        static_cast<float>(1e3 * seconds_of([&] { timeline.world_at(state, world.options()); })));
+  }
+  return cost;
+}
+
+}  // namespace
+
+int bench_timeline(const CommandLine& line) {
+  const ResultFiles files(line.options);
+  const Scene scene = load_scene(line);
+  World world(scene, line.options.run);
+  Timeline timeline;
+  const TimelineCost cost = measure_timeline(world, timeline, line.options.bench.repeats);
+  const Percentiles jump = percentiles_of(cost.jump_ms);
+  Json json{{"suite", "timeline"},
+            {"physics_version", physics_version},
+            {"device", world.info().device_name},
+            {"scene", scene.name},
+            {"bodies", world.initial().size()},
+            {"steps", timeline_steps},
+            {"step_ms", 1e3 * cost.step_seconds / static_cast<double>(timeline_steps)},
+            {"recording_share", cost.record_seconds / cost.step_seconds},
+            {"keyframes", timeline.keyframes()},
+            {"keyframe_bytes", timeline.bytes()},
+            {"jump_ms", percentiles_json(jump)}};
+  files.write(json_text(json), "", "");
+  print(line.options.json == "-"
+            ? json_text(json)
+            : fmt::format("{}, {} bodies, {} steps of {:.3f} ms on {}: {} keyframes of {:.1f} MiB in all, "
+                          "which take {:.1f} % "
+                          "of the time; to a random state: median {:.1f} ms, 95th percentile {:.1f} ms\n",
+                          scene.name, world.initial().size(), timeline_steps,
+                          1e3 * cost.step_seconds / static_cast<double>(timeline_steps),
+                          world.info().device_name, timeline.keyframes(),
+                          static_cast<double>(timeline.bytes()) / 1048576,
+                          100 * cost.record_seconds / cost.step_seconds, jump.median, jump.p95));
+  return 0;
+}
+
+}  // namespace collidoscope

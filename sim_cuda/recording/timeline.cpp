@@ -1,0 +1,131 @@
+#include "sim_cuda/recording/timeline.h"
+
+#include <fmt/format.h>
+#include <sys/sysinfo.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "sim_cuda/core/error.h"
+
+namespace collidoscope {
+namespace {
+
+template <class Item>
+std::int64_t list_bytes(const std::vector<Item>& list) {
+  return static_cast<std::int64_t>(list.size() * sizeof(Item));
+}
+
+std::int64_t bytes_of_state(const RunState& state) {
+  const WarmStart& warm_start = state.warm_start;
+  std::int64_t walls = 0;
+  for (const auto& wall : warm_start.walls) walls += list_bytes(wall);
+  const BodyStates& bodies = state.bodies;
+  return list_bytes(bodies.position) + list_bytes(bodies.velocity) + list_bytes(bodies.angular_velocity) +
+         list_bytes(bodies.orientation) + list_bytes(state.static_impulses) + list_bytes(state.frozen) +
+         list_bytes(warm_start.contacts) + walls + list_bytes(warm_start.friction) +
+         list_bytes(warm_start.wall_friction) + list_bytes(warm_start.rolling) +
+         list_bytes(warm_start.wall_rolling) + list_bytes(warm_start.sleep_timer) +
+         list_bytes(warm_start.joints) + list_bytes(warm_start.loop_energies);
+}
+
+}  // namespace
+
+std::int64_t Timeline::default_budget() {
+  constexpr std::int64_t most = std::int64_t{1} << 30;
+  struct sysinfo info {};
+  if (sysinfo(&info) != 0) return most / 4;
+  return std::min(most, static_cast<std::int64_t>(info.freeram + info.bufferram) * info.mem_unit / 4);
+}
+
+Timeline::Timeline(std::int64_t budget) : budget_(budget) {}
+
+void Timeline::begin(World& world) {
+  keyframes_.clear();
+  hashes_.clear();
+  bytes_ = 0;
+  interval_ = keyframe_seconds;
+  add_keyframe(world, true);
+}
+
+void Timeline::add_keyframe(World& world, bool is_change) {
+  Keyframe keyframe{save_run(world), 0, is_change};
+  keyframe.bytes = bytes_of_state(keyframe.saved.state);
+  bytes_ += keyframe.bytes;
+  keyframes_.push_back(std::move(keyframe));
+  seconds_ = 0;
+  while (bytes_ > budget_ && interval_ < 1e6) thin_out();
+}
+
+/// Removes every second keyframe that is not needed, and doubles the interval of further ones.
+void Timeline::thin_out() {
+  bool keep = false;
+  std::erase_if(keyframes_, [&](const Keyframe& keyframe) {
+    if (keyframe.is_change) return keep = false;
+    keep = !keep;
+    if (!keep) bytes_ -= keyframe.bytes;
+    return !keep;
+  });
+  interval_ *= 2;
+}
+
+void Timeline::record_step(World& world, double seconds) {
+  hashes_.push_back(world.state_hash());
+  seconds_ += seconds;
+  if (seconds_ >= interval_) add_keyframe(world, false);
+}
+
+void Timeline::record_change(World& world) {
+  // The state before the change cannot be reached any more.
+  while (!keyframes_.empty() && keyframes_.back().saved.state.steps == world.steps()) {
+    bytes_ -= keyframes_.back().bytes;
+    keyframes_.pop_back();
+  }
+  add_keyframe(world, true);
+}
+
+void Timeline::forget_after(std::int64_t step) {
+  hashes_.resize(static_cast<std::size_t>(step - first()));
+  while (keyframes_.back().saved.state.steps > step) {
+    bytes_ -= keyframes_.back().bytes;
+    keyframes_.pop_back();
+  }
+  seconds_ = 0;
+}
+
+std::vector<std::int64_t> Timeline::changes() const {
+  std::vector<std::int64_t> steps;
+  for (std::size_t k = 1; k < keyframes_.size(); ++k)
+    if (keyframes_[k].is_change) steps.push_back(keyframes_[k].saved.state.steps);
+  return steps;
+}
+
+std::vector<Timeline::Keyframe>::const_iterator Timeline::keyframe_at_or_before(std::int64_t step) const {
+  const auto after = std::ranges::upper_bound(
+      keyframes_, step, {}, [](const Keyframe& keyframe) { return keyframe.saved.state.steps; });
+  return after - 1;
+}
+
+bool Timeline::is_change(std::int64_t step) const {
+  const Keyframe& keyframe = *keyframe_at_or_before(step);
+  return step > first() && keyframe.is_change && keyframe.saved.state.steps == step;
+}
+
+std::unique_ptr<World> Timeline::world_at(std::int64_t step, const RunOptions& options) const {
+  const SavedRun& saved = keyframe_at_or_before(step)->saved;
+  auto world = std::make_unique<World>(saved.scene, options, &saved.state);
+  if (step == saved.state.steps) return world;
+  world->step(static_cast<int>(step - saved.state.steps));
+  check(*world);
+  return world;
+}
+
+void Timeline::check(World& world) const {
+  const std::uint64_t recorded = hashes_[static_cast<std::size_t>(world.steps() - first() - 1)];
+  const std::uint64_t actual = world.state_hash();
+  if (recorded != actual)
+    throw MachineError(fmt::format("state {} reached again has the hash {:016x}, before {:016x}",
+                                   world.steps(), actual, recorded));
+}
+
+}  // namespace collidoscope

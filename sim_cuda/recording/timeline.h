@@ -1,0 +1,70 @@
+#pragma once
+// All states of a run, in memory: keyframes, and a hash of every state. A state between keyframes is
+// simulated again, with the same bits. Owned by the class that steps the run.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim_cuda/changes/changes.h"
+#include "sim_cuda/run/run_state.h"
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+
+class Timeline {
+ public:
+  /// `budget`: bytes of keyframes. The first keyframe and those of changes are kept beyond it.
+  explicit Timeline(std::int64_t budget = default_budget());
+  /// 1 GiB, or a quarter of the available memory if that is less.
+  static std::int64_t default_budget();
+
+  /// Begins at the present state of the world. Forgets everything before.
+  void begin(World& world);
+  /// Call after each step from the last state. `seconds`: that it took.
+  void record_step(World& world, double seconds);
+  /// Call after a change was made at the last state.
+  void record_change(World& world);
+  /// Forgets the states after `step`. Precondition: first() <= step <= last().
+  void forget_after(std::int64_t step);
+
+  std::int64_t first() const { return keyframes_.front().saved.state.steps; }
+  std::int64_t last() const { return first() + std::ssize(hashes_); }
+  /// States at which a change was made, ascending.
+  std::vector<std::int64_t> changes() const;
+  bool is_change(std::int64_t step) const;
+
+  /// A world at a state, after its change if it has one. `options`: where it is simulated. Precondition:
+  /// first() <= step <= last(). Throws MachineError if the state has another hash than before.
+  std::unique_ptr<World> world_at(std::int64_t step, const RunOptions& options) const;
+  /// Compares the world, after a step, with the recorded hash of its state. Throws MachineError if it
+  /// differs.
+  void check(World& world) const;
+
+  std::int64_t bytes() const { return bytes_; }
+  std::int64_t keyframes() const { return std::ssize(keyframes_); }
+
+  /// Keyframes are so far apart that simulating up to the next one takes about this time, s.
+  static constexpr double keyframe_seconds = 0.25;
+
+ private:
+  struct Keyframe {
+    SavedRun saved;
+    std::int64_t bytes;
+    bool is_change;  ///< or the first one
+  };
+  void add_keyframe(World& world, bool is_change);
+  void thin_out();
+  std::vector<Keyframe>::const_iterator keyframe_at_or_before(std::int64_t step) const;
+
+  std::int64_t budget_, bytes_ = 0;
+  std::vector<Keyframe> keyframes_;    ///< ascending; at least one after begin()
+  std::vector<std::uint64_t> hashes_;  ///< World::state_hash() of the states first() + 1, ..., last(), before
+                                       ///< changes there
+  double seconds_ = 0;                 ///< of the steps since the last keyframe
+  double interval_ = keyframe_seconds;
+};
+
+}  // namespace collidoscope

@@ -1,0 +1,175 @@
+// Tests the timeline: every state of a run is reached again bit for bit, within a memory budget, and changes
+// in earlier states start a branch.
+
+#include "sim_cuda/recording/timeline.h"
+
+#include <gmock/gmock.h>
+
+#include <map>
+
+#include "sim_cuda/core/error.h"
+#include "tests/executors.h"
+#include "tests/random.h"
+#include "tests/scenes.h"
+#include "viewer/session/live_world.h"
+
+namespace collidoscope {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+Scene tumbling_scene(std::int64_t bodies = 80) {
+  Scene scene = box_collider(bodies);
+  scene.box->max = Vector3d(20, 20, 20);
+  scene.generators[0].radius_max = 3;
+  scene.generators[0].speed_max = 4;
+  scene.generators[0].spawn = Spawn::inside;
+  scene.materials[0].friction = 0.4;
+  scene.physics.solver = Solver::soft_step;
+  scene.physics.sleep = Sleep{};
+  return scene;
+}
+
+Change restitution_of(double value) {
+  Change change;
+  change.settings.set<&Material::restitution>(value);
+  return change;
+}
+
+class Timelines : public OnEachExecutor {};
+ON_EACH_EXECUTOR(Timelines);
+
+TEST_P(Timelines, ReachEveryStateAgain) {
+  LiveWorld live(tumbling_scene(), options());
+  std::vector<std::uint64_t> hashes{live.state_hash()};
+  std::vector<std::uint64_t> full{full_hash(live.world().state())};
+  constexpr std::int64_t steps = 150;
+  for (std::int64_t step = 1; step <= steps; ++step) {
+    ASSERT_TRUE(live.step(step % 2 == 0));
+    if (step == 40) {
+      Change change;
+      change.remove = {3, 17};
+      live.apply(std::move(change));
+    }
+    if (step == 90) live.apply(restitution_of(0.9));
+    hashes.push_back(live.state_hash());
+    full.push_back(full_hash(live.world().state()));
+  }
+  EXPECT_EQ(live.timeline().first(), 0);
+  EXPECT_EQ(live.timeline().last(), steps);
+  EXPECT_THAT(live.timeline().changes(), ElementsAre(40, 90));
+  EXPECT_EQ(live.changes().size(), 2u);
+  Random random(7);
+  for (int k = 0; k < 60; ++k) {
+    const auto step = static_cast<std::int64_t>(random() % (steps + 1));
+    live.go_to(step);
+    ASSERT_EQ(live.world().steps(), step);
+    EXPECT_EQ(live.state_hash(), hashes[static_cast<std::size_t>(step)]) << step;
+    EXPECT_EQ(full_hash(live.world().state()), full[static_cast<std::size_t>(step)]) << step;
+    EXPECT_EQ(live.world().initial().size(), step < 40 ? 80u : 78u) << step;
+  }
+  // Steps from an early state go through the same states, over both changes, and on from the last one.
+  live.go_to(20);
+  for (std::int64_t step = 21; step <= steps; ++step) {
+    ASSERT_TRUE(live.step(true));
+    EXPECT_EQ(live.state_hash(), hashes[static_cast<std::size_t>(step)]) << step;
+  }
+  EXPECT_EQ(live.history().size(), static_cast<std::size_t>(steps)) << "known steps are not added again";
+  EXPECT_EQ(live.changes().size(), 2u);
+  ASSERT_TRUE(live.step(true));
+  EXPECT_EQ(live.timeline().last(), steps + 1);
+  EXPECT_EQ(live.history().size(), static_cast<std::size_t>(steps) + 1);
+}
+
+TEST_P(Timelines, AChangeInAnEarlierStateStartsABranch) {
+  LiveWorld live(tumbling_scene(), options());
+  for (int step = 1; step <= 60; ++step) live.step(true);
+  live.apply(restitution_of(0.1));
+  for (int step = 61; step <= 80; ++step) live.step(true);
+  live.go_to(30);
+  live.apply(restitution_of(0.9));
+  EXPECT_EQ(live.timeline().last(), 30);
+  EXPECT_THAT(live.timeline().changes(), ElementsAre(30));
+  EXPECT_EQ(live.history().size(), 30u);
+  ASSERT_EQ(live.changes().size(), 1u) << "that of state 60 never happened";
+  EXPECT_EQ(live.changes()[0].step, 30);
+  for (int step = 31; step <= 50; ++step) live.step(true);
+
+  World straight(tumbling_scene(), options());
+  straight.step(30);
+  Change change = restitution_of(0.9);
+  change.step = 30;
+  const auto other = world_after_change(straight, change, options());
+  other->step(20);
+  EXPECT_EQ(live.state_hash(), other->state_hash());
+  live.go_to(40);
+  other->step(5);
+  live.go_to(30);
+  EXPECT_DOUBLE_EQ(live.world().scene().materials[0].restitution, 0.9) << "after its change";
+  // Settings of the execution start no branch.
+  live.go_to(20);
+  Settings request = live.settings();
+  request.run.shape = {2, 8};
+  live.apply(request);
+  EXPECT_EQ(live.timeline().last(), 50);
+  // A restart forgets all.
+  live.restart();
+  EXPECT_EQ(live.timeline().first(), 0);
+  EXPECT_EQ(live.timeline().last(), 0);
+}
+
+TEST_P(Timelines, KeepWithinTheirBudget) {
+  World world(tumbling_scene(), options());
+  Timeline timeline(400'000);
+  timeline.begin(world);
+  const std::int64_t one = timeline.bytes();
+  ASSERT_LT(one, 40'000);
+  std::vector<std::uint64_t> hashes{world.state_hash()};
+  for (int step = 1; step <= 300; ++step) {
+    world.step();
+    timeline.record_step(world, 0.1);  // as if a step took so long
+    hashes.push_back(world.state_hash());
+    EXPECT_LE(timeline.bytes(), 400'000) << step;
+  }
+  EXPECT_GT(timeline.keyframes(), 4);
+  EXPECT_LT(timeline.keyframes(), 300 / 3) << "some were removed";
+  for (const std::int64_t step : {0, 1, 7, 150, 151, 299, 300})
+    EXPECT_EQ(timeline.world_at(step, options())->state_hash(), hashes[static_cast<std::size_t>(step)])
+        << step;
+}
+
+TEST_P(Timelines, TellOfAStateThatDiffers) {
+  World world(tumbling_scene(), options()), other(tumbling_scene(60), options());
+  Timeline timeline;
+  timeline.begin(world);
+  for (int step = 1; step <= 5; ++step) {
+    world.step();
+    other.step();
+    timeline.record_step(step == 4 ? other : world, 0.001);  // records a wrong hash of state 4
+  }
+  EXPECT_EQ(timeline.world_at(5, options())->steps(), 5);
+  try {
+    timeline.world_at(4, options());
+    ADD_FAILURE() << "not found";
+  } catch (const MachineError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("state 4 reached again has the hash "));
+  }
+}
+
+TEST(Timelines, GuardsStayAsTheyAreSet) {
+  LiveWorld live(tumbling_scene(), on_cpu());
+  for (int step = 1; step <= 20; ++step) live.step(true);
+  Settings request = live.settings();
+  request.guards = OnFailure::pause;
+  live.apply(request);
+  for (int step = 21; step <= 30; ++step) live.step(true);
+  EXPECT_EQ(live.timeline().last(), 30) << "guards do not affect the state";
+  live.go_to(10);
+  EXPECT_EQ(live.settings().guards, OnFailure::pause);
+  live.go_to(30);
+  EXPECT_EQ(live.settings().guards, OnFailure::pause);
+}
+
+}  // namespace
+}  // namespace collidoscope
