@@ -212,7 +212,8 @@ TEST_P(EnergyBounds, FreeRotation) {
         }
       }
       for (std::size_t i = 0; i < rise.size(); ++i)
-        EXPECT_LE(rise[i], precision == Precision::f32 ? 1e-5 : 1e-9) << "body " << i << '\n'
+        // Float: the rounding of the stored angular velocity over 1,000 steps of 4 substeps is a random walk.
+        EXPECT_LE(rise[i], precision == Precision::f32 ? 2e-5 : 1e-9) << "body " << i << '\n'
                                                                       << write_scene(scene);
     }
 }
