@@ -139,6 +139,25 @@ TEST_P(Timelines, KeepWithinTheirBudget) {
         << step;
 }
 
+TEST_P(Timelines, ForgetTheOldestStatesIfChangesExceedTheBudget) {
+  World world(tumbling_scene(), options());
+  Timeline timeline(200'000);
+  timeline.begin(world);
+  std::vector<std::uint64_t> hashes{world.state_hash()};
+  for (int step = 1; step <= 60; ++step) {
+    world.step();
+    timeline.record_step(world, step % 2 == 0 ? 100 : 0.001);  // keyframes between changes, too
+    hashes.push_back(world.state_hash());
+    if (step % 3 == 0) timeline.record_change(world);  // a change that keeps the state
+    EXPECT_LE(timeline.bytes(), 200'000) << step;
+  }
+  EXPECT_GT(timeline.first(), 3);
+  EXPECT_EQ(timeline.last(), 60);
+  for (std::int64_t step = timeline.first(); step <= 60; ++step)
+    EXPECT_EQ(timeline.world_at(step, options())->state_hash(), hashes[static_cast<std::size_t>(step)])
+        << step;
+}
+
 TEST_P(Timelines, TellOfAStateThatDiffers) {
   World world(tumbling_scene(), options()), other(tumbling_scene(60), options());
   Timeline timeline;

@@ -113,8 +113,4 @@ ReplayResult replay(const RecordingReader& recording, const RunOptions& options,
   return Replayed(recording, options).run(done);
 }
 
-std::int64_t physics_version_of(const RecordingReader& recording) {
-  return recording.keyframe(recording.events().front()).physics_version;
-}
-
 }  // namespace collidoscope

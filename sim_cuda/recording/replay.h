@@ -23,7 +23,4 @@ struct ReplayResult {
 ReplayResult replay(const RecordingReader& recording, const RunOptions& options,
                     const std::function<void(std::int64_t)>& done);
 
-/// Physics version of a recording: that of its first keyframe.
-std::int64_t physics_version_of(const RecordingReader& recording);
-
 }  // namespace collidoscope

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "sim_cuda/core/error.h"
 
@@ -45,23 +46,41 @@ void Timeline::begin(World& world) {
   hashes_.clear();
   bytes_ = 0;
   interval_ = keyframe_seconds;
-  add_keyframe(world, true);
+  add(keyframe_of(world, true));
 }
 
-void Timeline::add_keyframe(World& world, bool is_change) {
+Timeline::Keyframe Timeline::keyframe_of(World& world, bool is_change) {
+  const auto start = std::chrono::steady_clock::now();
   Keyframe keyframe{save_run(world), 0, is_change};
   keyframe.bytes = bytes_of_state(keyframe.saved.state);
+  cost_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return keyframe;
+}
+
+void Timeline::add(Keyframe keyframe) {
   bytes_ += keyframe.bytes;
   keyframes_.push_back(std::move(keyframe));
   seconds_ = 0;
-  while (bytes_ > budget_ && interval_ < 1e6) thin_out();
+  while (bytes_ > budget_ && keyframes_.size() > 1)
+    if (std::ranges::count(keyframes_, false, &Keyframe::is_change) > 1)
+      thin_out();
+    else
+      forget_oldest();
+}
+
+void Timeline::forget_oldest() {
+  const std::int64_t before = first();
+  bytes_ -= keyframes_.front().bytes;
+  keyframes_.erase(keyframes_.begin());
+  keyframes_.front().is_change = true;
+  hashes_.erase(hashes_.begin(), hashes_.begin() + (first() - before));
 }
 
 /// Removes every second keyframe that is not needed, and doubles the interval of further ones.
 void Timeline::thin_out() {
   bool keep = false;
   std::erase_if(keyframes_, [&](const Keyframe& keyframe) {
-    if (keyframe.is_change) return keep = false;
+    if (keyframe.is_change) return false;
     keep = !keep;
     if (!keep) bytes_ -= keyframe.bytes;
     return !keep;
@@ -72,16 +91,18 @@ void Timeline::thin_out() {
 void Timeline::record_step(World& world, double seconds) {
   hashes_.push_back(world.state_hash());
   seconds_ += seconds;
-  if (seconds_ >= interval_) add_keyframe(world, false);
+  constexpr double steps_per_cost = 20;
+  if (seconds_ >= std::max(interval_, steps_per_cost * cost_)) add(keyframe_of(world, false));
 }
 
 void Timeline::record_change(World& world) {
+  Keyframe keyframe = keyframe_of(world, true);
   // The state before the change cannot be reached any more.
   while (!keyframes_.empty() && keyframes_.back().saved.state.steps == world.steps()) {
     bytes_ -= keyframes_.back().bytes;
     keyframes_.pop_back();
   }
-  add_keyframe(world, true);
+  add(std::move(keyframe));
 }
 
 void Timeline::forget_after(std::int64_t step) {

@@ -16,7 +16,8 @@ namespace collidoscope {
 
 class Timeline {
  public:
-  /// `budget`: bytes of keyframes. The first keyframe and those of changes are kept beyond it.
+  /// `budget`: bytes of keyframes. At least one keyframe is kept. If those of changes exceed the budget, the
+  /// oldest states are forgotten, so first() increases.
   explicit Timeline(std::int64_t budget = default_budget());
   /// 1 GiB, or a quarter of the available memory if that is less.
   static std::int64_t default_budget();
@@ -46,7 +47,8 @@ class Timeline {
   std::int64_t bytes() const { return bytes_; }
   std::int64_t keyframes() const { return std::ssize(keyframes_); }
 
-  /// Keyframes are so far apart that simulating up to the next one takes about this time, s.
+  /// Keyframes are so far apart that simulating up to the next one takes about this time, s, or longer if
+  /// keyframes would take more than a twentieth of the time, or more memory than the budget.
   static constexpr double keyframe_seconds = 0.25;
 
  private:
@@ -55,8 +57,10 @@ class Timeline {
     std::int64_t bytes;
     bool is_change;  ///< or the first one
   };
-  void add_keyframe(World& world, bool is_change);
+  Keyframe keyframe_of(World& world, bool is_change);
+  void add(Keyframe keyframe);
   void thin_out();
+  void forget_oldest();
   std::vector<Keyframe>::const_iterator keyframe_at_or_before(std::int64_t step) const;
 
   std::int64_t budget_, bytes_ = 0;
@@ -65,6 +69,7 @@ class Timeline {
                                        ///< changes there
   double seconds_ = 0;                 ///< of the steps since the last keyframe
   double interval_ = keyframe_seconds;
+  double cost_ = 0;  ///< of the last keyframe, s
 };
 
 }  // namespace collidoscope

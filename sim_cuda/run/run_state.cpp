@@ -1,6 +1,6 @@
 #include "sim_cuda/run/run_state.h"
 
-#include <bit>
+#include <type_traits>
 
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/scene/placed_joint.h"
