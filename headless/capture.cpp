@@ -124,7 +124,7 @@ int run_capture(const CaptureRequest& request, World& world) {
   Renderer renderer(width, height,
                     still_options(request.draw, request.width, request.height, gl::largest_target()));
   renderer.set_scene(frame_scene(world.scene(), world.initial()));
-  DisplayLink link(world, request.display_path, log);
+  DisplayLink link(world.info(), request.display_path, log);
   GuiPass gui(request.layers.ui ? workspace_font_size(request.width, request.height, 1)
                                 : overlay_font_size(request.width, request.height));
   log(fmt::format("renderer: {}{}, OpenGL {}; display path: {}", context.renderer(),

@@ -7,7 +7,7 @@
 //   validation() findings of guards, pause, and frozen bodies (state_validation.h)
 //   records()    optional recording of contact impulses and residuals (contact_records.h)
 //   tree()       tree of the broad phase: boxes, measures, ranked nodes, query times (tree_probe.h)
-//   publisher()  draw records, and memory for renderers (publisher.h)
+//   publisher()  draw records (publisher.h)
 //   info()       device and memory use (world_info.h)
 
 #include <cstdint>

@@ -90,7 +90,8 @@ TEST(Capture, WhatIsDrawnIsTheTree) {
   world.step(3);
   world.detect();
   std::vector<std::string> said;
-  DisplayLink link(world, DisplayPath::automatic, [&](const std::string& line) { said.push_back(line); });
+  DisplayLink link(world.info(), DisplayPath::automatic,
+                   [&](const std::string& line) { said.push_back(line); });
   EXPECT_EQ(link.path(), DisplayPath::upload);
   InstanceBuffers buffers;
   const TreeLevels tree = world.tree().levels();
@@ -119,7 +120,7 @@ TEST(Capture, WhatIsDrawnAreTheBodiesAndContacts) {
   World world(small_scene(), on_cpu());
   world.step(3);
   world.detect();
-  DisplayLink link(world, DisplayPath::automatic, [](const std::string&) {});
+  DisplayLink link(world.info(), DisplayPath::automatic, [](const std::string&) {});
   InstanceBuffers buffers;
   link.publish(world, {.spheres = true, .contacts = true}, buffers);
   const BodyStates states = world.bodies();
@@ -147,7 +148,7 @@ TEST(Capture, APathThatTheMachineLacksStepsDownWithOneLine) {
   World world(small_scene(), on_cpu());
   for (DisplayPath request : {DisplayPath::interop, DisplayPath::copy}) {
     std::vector<std::string> said;
-    DisplayLink link(world, request, [&](const std::string& line) { said.push_back(line); });
+    DisplayLink link(world.info(), request, [&](const std::string& line) { said.push_back(line); });
     EXPECT_EQ(link.path(), DisplayPath::upload);
     EXPECT_THAT(said, testing::ElementsAre(testing::HasSubstr("the simulation runs on the CPU")));
   }

@@ -1,6 +1,7 @@
 // Tests the recorded contact impulses against momentum: their sum is the momentum change of each body.
 
 #include "sim_cuda/solver/contact_impulses.h"
+#include "sim_cuda/run/published_records.h"
 
 #include <algorithm>
 #include <map>
@@ -188,14 +189,11 @@ TEST_P(Impulses, ArePublishedWithTheContactsOfTheState) {
   world.detect();  // the state's contacts differ from the last step's
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> given;
   for (const ContactImpulse& c : world.records().impulses()) given[{c.a, c.b}] = c.impulse;
-  const PublishCounts counts = world.publisher().counts(0, 0);
-  const auto bytes = static_cast<std::size_t>(counts.contacts) * sizeof(ContactInstance);
-  PublishTarget target;
-  target.contacts = static_cast<ContactInstance*>(world.publisher().scratch(bytes, 0));
-  target.contact_capacity = counts.contacts;
-  world.publisher().publish(target);
-  std::vector<ContactInstance> drawn(static_cast<std::size_t>(counts.contacts));
-  world.publisher().copy_to_host(drawn.data(), target.contacts, bytes);
+  FrameLayers layers;
+  layers.contacts = true;
+  PublishedRecords records;
+  records.pack(world, layers);
+  const auto drawn = records.copy<ContactInstance>();
   int old = 0, fresh = 0;
   for (const ContactInstance& contact : drawn) {
     const auto known = given.find({contact.a, contact.b});

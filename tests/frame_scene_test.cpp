@@ -99,8 +99,14 @@ TEST(SceneView, AThrownBallLeavesTheCameraAndAllShowsWhereBodiesAre) {
   SceneView view(DisplayPath::automatic, {}, [](const std::string&) {});
   const Workspace workspace;
   const TreeInspector tree;
-  LiveReference reference;
-  const auto draw = [&] { view.draw(live, workspace, tree, reference, 320, 240); };
+  PublishedState state;
+  const auto draw = [&] {
+    PublishRequest request;
+    request.layers = workspace.layers;
+    publish_state(live, request, nullptr, state);
+    view.draw(state, workspace, tree, 320, 240);
+    view.finish_drawing();
+  };
   draw();
   const OrbitCamera before = view.camera();
   const double size = view.scene_size();

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "sim_cuda/core/series.h"
+#include "sim_cuda/run/published_records.h"
 #include "sim_cuda/scene/joint_substeps.h"
 #include "tests/executors.h"
 #include "tests/gravity.h"
@@ -676,12 +677,10 @@ TEST_P(Jointed, AreDrawnWhereTheyAre) {
   scene.joints = {rope, between(JointKind::spring, 2, 1), hinge};
   World world(scene, options());
   ASSERT_EQ(world.publisher().counts(0, -1).joints, 3);
-  PublishTarget target;
-  target.joints = static_cast<JointInstance*>(world.publisher().scratch(3 * sizeof(JointInstance), 0));
-  target.joint_capacity = 3;
-  world.publisher().publish(target);
-  std::array<JointInstance, 3> drawn;
-  world.publisher().copy_to_host(drawn.data(), target.joints, sizeof drawn);
+  PublishedRecords records;
+  records.pack(world, FrameLayers{});
+  const auto drawn = records.copy<JointInstance>();
+  ASSERT_EQ(drawn.size(), 3u);
   // The spring is solved by iteration. Joints of trees follow.
   const auto at = [](const float(&v)[3]) { return Vector3d(v[0], v[1], v[2]); };
   EXPECT_EQ(drawn[1].look, static_cast<float>(JointLook::rope));

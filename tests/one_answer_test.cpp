@@ -12,6 +12,7 @@
 #include <optional>
 #include <set>
 
+#include "sim_cuda/run/published_records.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/names.h"
 #include "tests/executors.h"
@@ -223,27 +224,15 @@ TEST_P(OneAnswerOfASolver, DetectingMeasuringAndPublishingChangeNothing) {
   scene.physics.solver = std::get<1>(GetParam());
   World plain(scene, options()), watched(scene, options());
   plain.step(20);
+  PublishedRecords records;
   for (int k = 0; k < 20; ++k) {
     watched.step();
     watched.detect();
     watched.measure();
-    const PublishCounts counts = watched.publisher().counts(0, 30);
-    const auto bytes = [](std::int64_t records, std::size_t each) {
-      return static_cast<std::size_t>(records) * each;
-    };
-    PublishTarget target;
-    target.bodies = static_cast<BodyInstance*>(
-        watched.publisher().scratch(bytes(counts.bodies, sizeof(BodyInstance)), 0));
-    target.body_capacity = counts.bodies;
-    target.body_color = BodyColor::contacts;
-    target.boxes =
-        static_cast<BoxInstance*>(watched.publisher().scratch(bytes(counts.boxes, sizeof(BoxInstance)), 1));
-    target.box_capacity = counts.boxes;
-    target.last_level = 30;
-    target.contacts = static_cast<ContactInstance*>(
-        watched.publisher().scratch(bytes(counts.contacts + 1, sizeof(ContactInstance)), 2));
-    target.contact_capacity = counts.contacts;
-    watched.publisher().publish(target);
+    FrameLayers layers;
+    layers.spheres = layers.boxes = layers.contacts = true;
+    layers.color = BodyColor::contacts;
+    records.pack(watched, layers);
   }
   EXPECT_EQ(watched.state_hash(), plain.state_hash());
 }

@@ -1,6 +1,7 @@
 // Tests the packed instances of tree boxes and bodies against a brute-force tree.
 
 #include "sim_cuda/publish/pack.h"
+#include "sim_cuda/run/published_records.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 
 #include "tests/brute_tree.h"
@@ -26,28 +27,22 @@ class PackedTree : public OnEachExecutor {
     return methods;
   }
   static std::vector<BoxInstance> boxes(World& world, NodeMetric metric, int first, int last) {
-    PublishTarget target;
-    target.box_capacity = world.publisher().counts(first, last).boxes;
-    const std::size_t count = static_cast<std::size_t>(target.box_capacity);
-    target.boxes = static_cast<BoxInstance*>(world.publisher().scratch(count * sizeof(BoxInstance), 0));
-    target.first_level = first;
-    target.last_level = last;
-    target.box_metric = metric;
-    world.publisher().publish(target);
-    std::vector<BoxInstance> host(count);
-    world.publisher().copy_to_host(host.data(), target.boxes, count * sizeof host[0]);
-    return host;
+    FrameLayers layers;
+    layers.boxes = true;
+    layers.first_level = first;
+    layers.last_level = last;
+    layers.box_color = metric;
+    PublishedRecords records;
+    records.pack(world, layers);
+    return records.copy<BoxInstance>();
   }
   static std::vector<BodyInstance> bodies(World& world, BodyColor color) {
-    PublishTarget target;
-    const std::size_t count = world.initial().size();
-    target.bodies = static_cast<BodyInstance*>(world.publisher().scratch(count * sizeof(BodyInstance), 0));
-    target.body_capacity = static_cast<std::int64_t>(count);
-    target.body_color = color;
-    world.publisher().publish(target);
-    std::vector<BodyInstance> host(count);
-    world.publisher().copy_to_host(host.data(), target.bodies, count * sizeof host[0]);
-    return host;
+    FrameLayers layers;
+    layers.spheres = true;
+    layers.color = color;
+    PublishedRecords records;
+    records.pack(world, layers);
+    return records.copy<BodyInstance>();
   }
 };
 ON_EACH_EXECUTOR(PackedTree);

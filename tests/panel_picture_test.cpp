@@ -61,7 +61,7 @@ struct Desk {
     Renderer renderer(static_cast<int>(rect.width), static_cast<int>(rect.height));
     renderer.set_scene(frame_scene(world.scene(), world.initial()));
     const StepStats stats = world.measure();
-    DisplayLink link(world, DisplayPath::automatic, [](const std::string&) {});
+    DisplayLink link(world.info(), DisplayPath::automatic, [](const std::string&) {});
     panels.refresh(world, renderer);
     link.publish(world, layers, renderer.instances());
     const ValueRange range = value_range(world, renderer.scene(), layers, stats);

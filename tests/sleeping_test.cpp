@@ -1,6 +1,7 @@
 // Tests sleeping: islands fall asleep at rest, cost nothing while asleep, and wake at a possible contact.
 
 #include "sim_cuda/solver/sleeping.h"
+#include "sim_cuda/run/published_records.h"
 
 #include <gmock/gmock.h>
 
@@ -282,15 +283,13 @@ TEST_P(Sleepers, AreCountedAndDrawn) {
   EXPECT_EQ(world.measure().islands, 0) << "before the first step";
   world.step(8);
   const auto values = [&] {
-    PublishTarget target;
-    target.bodies = static_cast<BodyInstance*>(world.publisher().scratch(6 * sizeof(BodyInstance), 0));
-    target.body_capacity = 6;
-    target.body_color = BodyColor::sleep;
-    world.publisher().publish(target);
-    std::vector<BodyInstance> host(6);
-    world.publisher().copy_to_host(host.data(), target.bodies, 6 * sizeof host[0]);
+    FrameLayers layers;
+    layers.spheres = true;
+    layers.color = BodyColor::sleep;
+    PublishedRecords records;
+    records.pack(world, layers);
     std::vector<float> value;
-    for (const BodyInstance& body : host) value.push_back(body.value);
+    for (const BodyInstance& body : records.copy<BodyInstance>()) value.push_back(body.value);
     return value;
   };
   EXPECT_THAT(values(), testing::ElementsAre(0.6f, 0.6f, 0.6f, 0.6f, 0.6f, 1)) << "8 of 15 steps at rest";

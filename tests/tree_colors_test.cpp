@@ -36,7 +36,7 @@ Shown draw(const FrameLayers& layers, std::int64_t bodies = 120) {
   const StepStats stats = world.measure();
   Renderer renderer(360, 270);
   renderer.set_scene(frame_scene(world.scene(), world.initial()));
-  DisplayLink link(world, DisplayPath::automatic, [](const std::string&) {});
+  DisplayLink link(world.info(), DisplayPath::automatic, [](const std::string&) {});
   link.publish(world, layers, renderer.instances());
   const ValueRange range = value_range(world, renderer.scene(), layers, stats);
   renderer.draw(scene_camera({}, renderer.scene().bounds, 360.0 / 270), layers, range);
@@ -98,7 +98,7 @@ TEST(TreeColors, AMethodWithoutATreeIsDrawnWithoutOne) {
   layers.color = BodyColor::visits;
   Renderer renderer(64, 48);
   renderer.set_scene(frame_scene(world.scene(), world.initial()));
-  DisplayLink link(world, DisplayPath::automatic, [](const std::string&) {});
+  DisplayLink link(world.info(), DisplayPath::automatic, [](const std::string&) {});
   link.publish(world, layers, renderer.instances());
   const ValueRange range = value_range(world, renderer.scene(), layers, world.measure());
   EXPECT_EQ(range.boxes, 0);

@@ -17,8 +17,12 @@ constexpr float none = std::numeric_limits<float>::quiet_NaN();
 template <class Value>
 std::vector<float> over_time(const History& history, std::size_t first, Value value) {
   std::vector<float> values;
-  for (std::size_t i = first; i < history.size(); ++i)
-    values.push_back(history[i].measured ? static_cast<float>(value(history[i])) : none);
+  for (std::size_t i = first; i < history.size(); ++i) {
+    const float measured = history[i].measured ? static_cast<float>(value(history[i])) : 0;
+    values.push_back(!history[i].measured      ? none
+                     : std::isfinite(measured) ? measured
+                                               : std::numeric_limits<float>::infinity());
+  }
   return values;
 }
 

@@ -104,7 +104,8 @@ void plot_lines(const char* id, float width, float height, const PlotFrame& fram
       run.clear();
     };
     for (std::size_t i = 0; i < line.values.size(); ++i) {
-      if (!std::isfinite(line.values[i])) {
+      if (std::isnan(line.values[i])) continue;
+      if (std::isinf(line.values[i])) {
         flush();
         continue;
       }

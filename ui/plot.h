@@ -9,7 +9,7 @@
 
 namespace collidoscope {
 
-/// NaN values interrupt the line.
+/// The line connects the values before and after a NaN. An infinite value interrupts it.
 struct PlotLine {
   std::string name;
   std::uint32_t color = 0xffffffff;  ///< 0xAABBGGRR

@@ -66,9 +66,10 @@ App::App(const Start& start, const Options& options)
       stability_(options.stability.cases, options.run),
       workspace_(first_workspace(options, keeps_settings_)),
       renderer_name_(gl::renderer_name()),
-      software_(gl::is_software_renderer()) {
+      software_(gl::is_software_renderer()),
+      simulation_(live_, breaks_, [] { Window::wake(); }) {
   cuda_available(&cuda_unavailable_reason_);
-  workspace_.settings = live_.settings();
+  workspace_.settings = known_settings_ = live_.settings();
   if (!live_.world().initial().meshes.empty()) show_notice("mesh bodies collide as their bounding spheres");
 }
 
@@ -97,23 +98,19 @@ World App::make_world(const Start& start) {
 bool App::run(const std::function<bool()>& ended) {
   Clock::time_point last = Clock::now();
   while (!window_.closing() && !ended() && !cancelled_ && automation_failure_.empty()) {
-    // A paused, untouched window is drawn less often.
-    bool busy = (workspace_.measure_effects && !costs_.done()) || workspace_.step_requests > 0;
-    busy |= shows_accuracy() && workspace_.accuracy.running && !accuracy_.done();
-    busy |= shows_hard_cases() && !stability_.done();
-    busy |= presimulation_.has_value();
-    const bool idle =
-        !workspace_.playing && !busy && !automation_ && window_.events().empty() && buttons_.empty();
-    window_.poll(idle ? 0.05 : 0);
+    wait_for_events();
     const Clock::time_point now = Clock::now();
     const double seconds = std::chrono::duration<double>(now - last).count();
     last = now;
     if (window_.width() == 0 || window_.height() == 0) {  // minimised: no drawing, no steps
+      simulation_.pause(std::chrono::milliseconds(0));
       window_.poll(0.1);
       continue;
     }
     frame(std::min(seconds, 0.25));
+    frame_seconds_ = std::chrono::duration<double>(Clock::now() - now).count();
   }
+  end_steps();
   try {
     if (keeps_settings_) write_file_atomically(settings_path(), settings_text(workspace_));
   } catch (const MachineError& error) {
@@ -121,6 +118,39 @@ bool App::run(const std::function<bool()>& ended) {
   }
   if (!automation_failure_.empty()) throw MachineError("--automation: " + automation_failure_);
   return cancelled_;
+}
+
+/// Waits until there is something to draw: an event, a new state, or work of a panel.
+void App::wait_for_events() {
+  bool busy = (workspace_.measure_effects && !costs_.done()) || workspace_.step_requests > 0;
+  busy |= shows_accuracy() && workspace_.accuracy.running && !accuracy_.done();
+  busy |= shows_hard_cases() && !stability_.done();
+  busy |= presimulation_.has_value() || !window_.events().empty() || !buttons_.empty() || frame_ == 0;
+  busy |= workspace_.playing && needs_world();  // the run waits for this thread in each frame
+  window_.poll(busy || scene_.is_drawing() ? 0 : 0.05);
+  // A software renderer uses the cores of the simulation. If the run is too slow, it draws at most half of
+  // the time, but answers input at once.
+  if (!software_ || busy || !simulation_.behind()) return;
+  const Clock::time_point until =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                         std::chrono::duration<double>(std::min(frame_seconds_, 0.07)));
+  for (Clock::time_point now; window_.events().empty() && !window_.closing() && (now = Clock::now()) < until;)
+    window_.poll(std::max(std::chrono::duration<double>(until - now).count(), 1e-3));
+}
+
+/// Ends the present step, or cancels it if it takes long.
+void App::end_steps() {
+  using std::chrono::milliseconds;
+  if (simulation_.pause(milliseconds(100))) return;
+  if (options_.run.cancellation) options_.run.cancellation->request();
+  while (!simulation_.pause(milliseconds(100))) window_.poll();
+  try {
+    if (const auto result = simulation_.take_result(); result.error) std::rethrow_exception(result.error);
+  } catch (const Cancelled&) {
+    cancelled_ = true;
+  } catch (const std::exception& error) {
+    log_to_stderr(error.what());
+  }
 }
 
 /// Each part has its own error boundary. An error in one part does not stop the others.
@@ -138,7 +168,15 @@ void App::frame(double seconds) {
   gui_.begin(width, height, static_cast<float>(std::max(seconds, 1e-4)));
   for (const InputEvent& event : events) with_error_bar([&] { handle(event); });
   with_error_bar([&] { fly_camera(seconds); });
-  handle_requests(seconds);
+  // Short steps are waited for, so that requests are handled in this frame.
+  constexpr std::chrono::milliseconds patience(8);
+  has_world_ = simulation_.paused() || (needs_world() && simulation_.pause(patience));
+  if (has_world_) {
+    use_world(seconds);
+  } else {
+    if (!scene_.is_drawing() && simulation_.take(next_)) follow_next();
+    simulation_.update(plan());
+  }
   if (cancelled_) return;
 
   const float font_size = ImGui::GetFontSize();
@@ -146,16 +184,9 @@ void App::frame(double seconds) {
       scene_view_rect(workspace_, static_cast<float>(width), static_cast<float>(height), font_size);
   WorkspaceView view;
   with_error_bar([&] { picture_.resize(width, height); });
-  with_error_bar([&] { tree_.refresh(live_.world(), live_.generation(), workspace_); });
-  with_error_bar([&] {
-    scene_.draw(live_, workspace_, tree_, reference_, std::max(static_cast<int>(rect.width), 1),
-                std::max(static_cast<int>(rect.height), 1));
-    picture_.place(scene_.renderer(), static_cast<int>(rect.x), static_cast<int>(rect.y), scene_.width(),
-                   scene_.height());
-  });
+  with_error_bar([&] { draw_scene(rect); });
   with_error_bar([&] { fill(view); });
   if (cancelled_) return;
-  if (view.history == nullptr) view.history = &live_.history();
 
   const Clock::time_point before = Clock::now();
   if (!with_error_bar([&] { draw_workspace(workspace_, view); })) end_unfinished_panels(workspace_);
@@ -168,36 +199,47 @@ void App::frame(double seconds) {
   with_error_bar([&] { write_automation(view, ui_ms); });
 }
 
+/// Draws the next state. The panels show its values as soon as its picture is complete.
+void App::draw_scene(const ScreenRect& rect) {
+  if (!next_ || !next_->scene) return;  // publishing failed
+  scene_.draw(*next_, workspace_, tree_, std::max(static_cast<int>(rect.width), 1),
+              std::max(static_cast<int>(rect.height), 1));
+  if (workspace_.screenshot_requested) scene_.finish_drawing();
+  picture_.place(scene_.renderer(), static_cast<int>(rect.x), static_cast<int>(rect.y),
+                 static_cast<int>(rect.width), static_cast<int>(rect.height));
+  if (scene_.is_drawing()) return;
+  run_ = next_->view;
+  history_ = next_->history;
+}
+
+/// Contents of panels that come from the world.
+void App::follow_panels() {
+  if (workspace_.visible_panels.right && workspace_.visible_panels.effects)
+    effects_ = costs_.views(live_.world());
+  if (shows_accuracy()) accuracy_.view(live_.world(), workspace_.accuracy);
+}
+
 void App::fill(WorkspaceView& view) {
-  fill_view(live_.world(), live_.stats(), live_.history(), view);
-  view.level_sizes = live_.level_sizes(workspace_.layers.boxes || !workspace_.playing);
-  view.edited = live_.edited();
-  view.changes = std::ssize(live_.changes());
-  view.timeline = {live_.timeline().first(), live_.timeline().last(), live_.timeline().changes()};
+  view = run_;
+  view.history = &history_;
   if (workspace_.visible_panels.right && workspace_.visible_panels.effects) {
-    view.effect_views = costs_.views(live_.world());
+    view.effect_views = effects_;
     view.measuring_effects = workspace_.measure_effects && !costs_.done();
   }
-  if (shows_accuracy()) view.accuracy = &accuracy_.view(live_.world(), workspace_.accuracy);
+  if (shows_accuracy()) view.accuracy = &accuracy_.view();
   if (shows_hard_cases()) view.hard_cases = &stability_.view();
   view.reference = reference_.view();
   if (view.reference.name.empty())
     view.reference.unavailable_reason = LiveReference::unavailable_reason(view.stats.bodies);
-  view.error_scale = scene_.range().error_scale;
   view.renderer = renderer_name_;
   view.software = software_;
   view.view_scale = scene_.scale();
   view.display_path = scene_.display_path();
   view.cuda_unavailable_reason = cuda_unavailable_reason_;
-  view.body_colors = scene_.body_legend();
-  view.box_colors = scene_.box_legend();
-  view.boxes_drawn = scene_.range().boxes;
   view.contact_colors = contact_legend();
-  view.max_impulse = scene_.range().max_impulse;
   view.orthographic = scene_.camera().orthographic;
   view.mark_colors = mark_legend();
   view.tree = tree_.view();
-  view.stop = breaks_.stop(live_);
   if (scene_.selected()) view.selected = &*scene_.selected();
   const auto [first_level, last_level] =
       colored_levels(workspace_.layers, view.level_sizes.size(), view.selected);
@@ -214,12 +256,13 @@ void App::fill(WorkspaceView& view) {
   }
 
   const Clock::time_point now = Clock::now();
-  moments_.push_back({now, simulated_});
+  const double simulated = simulation_.simulated();
+  moments_.push_back({now, simulated});
   while (moments_.size() > 2 && now - moments_.front().when > std::chrono::seconds(1)) moments_.pop_front();
   const double span = std::chrono::duration<double>(now - moments_.front().when).count();
   if (span > 0) {
     view.frames_per_second = static_cast<double>(moments_.size() - 1) / span;
-    view.real_time_factor = (simulated_ - moments_.front().simulated) / span;
+    view.real_time_factor = (simulated - moments_.front().simulated) / span;
   }
 }
 
@@ -230,7 +273,7 @@ void App::write_automation(const WorkspaceView& view, double ui_ms) {
   frame.width = picture_.width();
   frame.height = picture_.height();
   with_error_bar([&] {
-    if (!workspace_.playing) frame.state_hash = live_.state_hash();
+    if (has_world_ && !scene_.is_drawing()) frame.state_hash = live_.state_hash();
   });
   const OrbitCamera& camera = scene_.camera();
   for (int axis = 0; axis < 3; ++axis) frame.camera[axis] = camera.target[axis];

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -22,6 +23,7 @@
 #include "viewer/session/live_reference.h"
 #include "viewer/session/live_stability.h"
 #include "viewer/session/live_world.h"
+#include "viewer/session/simulation_thread.h"
 #include "viewer/session/tree_inspector.h"
 #include "viewer/window.h"
 
@@ -40,7 +42,20 @@ class App {
   using Clock = std::chrono::steady_clock;
 
   World make_world(const Start& start);
+  void wait_for_events();
+  void end_steps();
   void frame(double seconds);
+
+  // The simulation thread (app_simulation.cpp).
+  bool needs_world() const;
+  void use_world(double seconds);
+  void handle_result();
+  void follow_settings();
+  void follow_next();
+  void publish();
+  void continue_run();
+  SimulationThread::Plan plan() const;
+
   /// Runs an action. An error is shown in the window, and pauses the run if `step` is set. Returns true if
   /// there was no error.
   template <class Action>
@@ -60,7 +75,6 @@ class App {
   bool finish_presimulation(const Scene& scene, double seconds, std::optional<RunState>& rest);
   void restart(double seconds);
   void go_to_requested_state();
-  void advance(double seconds);
   void show_notice(const std::string& notice);
   void export_history(bool csv);
   void export_changes();
@@ -77,7 +91,6 @@ class App {
 
   // Stops by guards and break conditions (app_breaks.cpp).
   void handle_stop_request();
-  void step_once();
   bool is_blocked_by_stop();
 
   // Hard cases (app_hard_cases.cpp).
@@ -89,7 +102,9 @@ class App {
   void restore_scene_before();
   void show_another_scene();
 
+  void draw_scene(const ScreenRect& rect);
   void fill(WorkspaceView& view);
+  void follow_panels();
   void write_automation(const WorkspaceView& view, double ui_ms);
 
   Options options_;
@@ -106,6 +121,11 @@ class App {
   LiveAccuracy accuracy_;
   LiveBreakpoints breaks_;
   LiveStability stability_;
+  std::unique_ptr<PublishedState> next_;  ///< the state that is being drawn
+  WorkspaceView run_;                     ///< view of the state in the picture
+  History history_;                       ///< up to this state
+  Settings known_settings_;               ///< settings of the run when they were last compared
+  bool has_world_ = false;  ///< the simulation thread is paused, and this thread may use live_ and breaks_
   struct ReplacedRun {
     Start start;
     RunOptions options;
@@ -123,18 +143,19 @@ class App {
   bool software_ = false, cancelled_ = false;
 
   std::int64_t frame_ = 0;
-  double steps_due_ = 0;              ///< steps to make for the requested speed
   bool extends_last_change_ = false;  ///< the last change came from a slider that is still held
   Clock::time_point notice_since_;
   struct Moment {
     Clock::time_point when;
     double simulated;  ///< s, total simulated time of all runs
   };
-  std::deque<Moment> moments_;  ///< frames of the last second
-  double simulated_ = 0;
+  std::deque<Moment> moments_;       ///< frames of the last second
+  double frame_seconds_ = 0;         ///< of the last frame
+  std::vector<EffectView> effects_;  ///< contents of the effects panel
 
   std::set<int> buttons_, keys_;  ///< pressed over the 3D view and still held
   double mouse_x_ = 0, mouse_y_ = 0, moved_ = 0;
+  SimulationThread simulation_;  ///< last: uses other members until it is destroyed
 };
 
 }  // namespace collidoscope

@@ -44,26 +44,6 @@ void App::handle_stop_request() {
   }
 }
 
-/// Makes one step and handles a stop.
-void App::step_once() {
-  const BreakConditions conditions = workspace_.breaks.conditions();
-  const std::size_t frozen = live_.world().validation().frozen().size();
-  const double time_step = live_.world().scene().physics.time_step;
-  breaks_.before_step(live_, conditions);
-  if (live_.step(true)) {
-    reference_.stepped(time_step);
-    simulated_ += time_step;
-  }
-  if (live_.scripted()) workspace_.settings = live_.settings();
-  if (breaks_.after_step(live_, conditions)) {
-    workspace_.playing = false;
-    workspace_.step_requests = 0;
-    if (const auto& body = breaks_.stop(live_)->body) workspace_.selection = body;
-  } else if (live_.world().validation().frozen().size() > frozen) {
-    show_notice("frozen: " + describe(*live_.world().validation().finding()));
-  }
-}
-
 /// Whether guards block the run. At a break condition, the request to play or step resumes the run.
 bool App::is_blocked_by_stop() {
   if (!breaks_.stop(live_)) return false;

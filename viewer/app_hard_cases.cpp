@@ -44,7 +44,6 @@ void App::show_another_scene() {
   workspace_.tree.node.reset();
   workspace_.follow = false;
   scene_.forget_camera();
-  steps_due_ = 0;
 }
 
 }  // namespace collidoscope

@@ -58,7 +58,7 @@ void App::handle_key(const InputEvent& event) {
     case GLFW_KEY_S:
       if (flying || (event.modifiers & GLFW_MOD_CONTROL)) break;
       if (event.modifiers & GLFW_MOD_SHIFT) {
-        workspace_.state_request = live_.world().steps() - 1;
+        workspace_.state_request = run_.stats.step - 1;
         workspace_.playing = false;
       } else {
         workspace_.request_step(again);
@@ -117,7 +117,7 @@ void App::handle_key(const InputEvent& event) {
     case GLFW_KEY_ESCAPE:
       if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) break;  // Escape closes the popup
       if (presimulation_) {
-        workspace_.settings = live_.settings();
+        workspace_.settings = known_settings_;
         workspace_.restart_requested = false;
         show_notice("settling cancelled");
         break;
@@ -160,7 +160,7 @@ void App::handle_button(const InputEvent& event) {
   if (!picked.box || tree_.view() == nullptr)
     return;                    // nodes are selectable only while the tree panel is open
   workspace_.playing = false;  // the next state has another tree
-  const std::vector<std::int64_t>& sizes = live_.level_sizes(true);
+  const std::vector<std::int64_t>& sizes = run_.level_sizes;
   std::int64_t place = *picked.box;
   for (int level = 0; level < std::min(workspace_.layers.first_level, static_cast<int>(sizes.size()));
        ++level)

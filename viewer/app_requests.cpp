@@ -40,7 +40,6 @@ void App::handle_requests(double seconds) {
     workspace_.selection.reset();
   with_error_bar([&] { handle_stop_request(); });
   with_error_bar([&] { follow_reference(); });
-  with_error_bar([&] { advance(seconds); }, true);
   with_error_bar([&] { measure_effects(); });
   with_error_bar([&] { measure_accuracy(seconds); });
   with_error_bar([&] { follow_hard_cases(seconds); });
@@ -54,7 +53,6 @@ void App::go_to_requested_state() {
   live_.go_to(*state);
   workspace_.settings = live_.settings();
   workspace_.playing = false;
-  steps_due_ = 0;
 }
 
 void App::measure_effects() {
@@ -114,7 +112,6 @@ void App::restart(double seconds) {
     throw;
   }
   workspace_.restart_requested = false;
-  steps_due_ = 0;
 }
 
 void App::apply_settings(double seconds) {
@@ -143,33 +140,6 @@ void App::apply_settings(double seconds) {
     throw;
   }
   workspace_.settings = live_.settings();
-}
-
-void App::advance(double seconds) {
-  const double time_step = live_.world().scene().physics.time_step;
-  const bool requested = workspace_.step_requests > 0;
-  if ((requested || workspace_.playing) && is_blocked_by_stop()) return;
-  // While such a slider is held the run waits: all its values act at one state and are recorded as one
-  // change.
-  if (workspace_.adjusting_result && !requested) return;
-  if (!requested && workspace_.playing)
-    steps_due_ = workspace_.speed > 0 ? steps_due_ + seconds * workspace_.speed / time_step : 1;
-  if (!requested && !(workspace_.playing && steps_due_ >= 1)) return;
-  constexpr double slice = 12;  // ms per frame
-  if (workspace_.layers.needs_reference() && !reference_.advance_to_next_step(time_step, slice)) return;
-  if (requested)
-    --workspace_.step_requests;
-  else  // steps missed by a slow machine are dropped
-    steps_due_ = std::min(steps_due_ - 1, 1.0);
-  // Records impulses and residuals only while they are shown.
-  const PanelVisibility& visible_panels = workspace_.visible_panels;
-  live_.world().records().record_impulses(
-      workspace_.layers.contacts ||
-      (workspace_.selection && visible_panels.right && visible_panels.inspector));
-  live_.world().records().record_residuals(visible_panels.right && visible_panels.convergence);
-  step_once();
-  const auto& pause_at = options_.view.pause_at;
-  if (pause_at && live_.world().steps() == *pause_at) workspace_.playing = false;
 }
 
 void App::export_history(bool csv) {
@@ -220,7 +190,7 @@ void App::follow_selection() {
 }
 
 void App::save_picture() {
-  const std::string file = unused_file_name(fmt::format("window_{:06}", live_.world().steps()), "png");
+  const std::string file = unused_file_name(fmt::format("window_{:06}", run_.stats.step), "png");
   make_folder("captures");
   write_png(picture_.read(), file);
   picture_file_ = file;

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
+#include <limits>
 
 #include "viewer/camera_control.h"
 #include "viewer/render/gl/errors.h"
-#include "viewer/render/value_range.h"
 #include "viewer/session/tree_marks.h"
 
 namespace collidoscope {
@@ -21,46 +20,28 @@ bool same_box(const std::optional<Box>& a, const std::optional<Box>& b) {
 SceneView::SceneView(DisplayPath request, const DrawRequest& draw, DisplayLink::LogCallback log)
     : display_path_request_(request), draw_request_(draw), log_(std::move(log)) {}
 
-void SceneView::follow_world(LiveWorld& live) {
-  if (generation_ == live.generation()) return;
-  World& world = live.world();
+void SceneView::follow_scene(const PublishedState& state) {
+  if (data_ == state.scene || (data_ && data_->generation == state.scene->generation)) return;
+  data_ = state.scene;
   const std::optional<Box> before = renderer_->scene().box;
-  renderer_->set_scene(frame_scene(world.scene(), world.initial()));
-  link_.emplace(world, display_path_request_, log_);
+  renderer_->set_scene(data_->frame);
+  link_.emplace(data_->info, display_path_request_, log_);
   path_name_ = display_path_name(link_->path());
-  generation_ = live.generation();
-  scene_camera_request_ = world.scene().camera;
   // If the box changed, the camera keeps its direction and frames the new box. Added bodies do not move it.
   if (camera_set_ && !same_box(before, renderer_->scene().box))
     camera_ = frame_all(renderer_->scene().bounds, aspect(), camera_);
 }
 
-void SceneView::follow_frozen(LiveWorld& live) {
-  constexpr std::size_t most = 100;
-  const std::vector<std::uint32_t>& ids = live.world().validation().frozen();
-  const std::size_t shown = std::min(ids.size(), most);
-  if (frozen_generation_ == live.generation() &&
-      std::ranges::equal(frozen_, std::span(ids).first(shown), {}, &Frozen::id))
-    return;
-  frozen_generation_ = live.generation();
-  frozen_.clear();
-  if (shown == 0) return;
-  const BodyStates bodies = live.world().bodies();
-  for (const std::uint32_t id : std::span(ids).first(shown))
-    frozen_.push_back({id, bodies.position[id], live.world().initial().radius[id]});
-}
-
-void SceneView::follow_selection(LiveWorld& live, const Workspace& workspace) {
-  if (!workspace.selection || *workspace.selection >= live.world().initial().size()) {
+void SceneView::follow_selection(const PublishedState& state, const Workspace& workspace) {
+  if (!state.selected || workspace.selection != state.selected->id) {
     selected_.reset();
     return;
   }
-  const Inspected wanted{live.generation(), live.world().steps(), *workspace.selection};
+  const Inspected wanted{state.selected_generation, state.selected_step, state.selected->id};
   if (selected_ && wanted == inspected_) return;
   const bool same = selected_ && selected_->id == wanted.id;
   const Vector3d before = same ? selected_->X : Vector3d(0, 0, 0);
-  live.stats();  // measures the state, which computes its contacts and boxes
-  selected_ = live.world().inspect(wanted.id);
+  selected_ = state.selected;
   inspected_ = wanted;
   if (workspace.follow) camera_.target = same ? camera_.target + selected_->X - before : selected_->X;
 }
@@ -78,47 +59,44 @@ void SceneView::mark(const Workspace& workspace, const TreeInspector& tree) {
   marked_ = wanted;
 }
 
-void SceneView::publish(LiveWorld& live, const Workspace& workspace, LiveReference& reference) {
-  Published wanted{live.generation(), live.world().steps(), workspace.layers, reference.version()};
-  if (wanted == published_) return;
-  if (workspace.layers.needs_reference()) {
-    renderer_->set_ghosts(reference.ghosts(live.world(), live.generation()));
-    wanted.reference = reference.version();
-  }
-  const FrameLayers layers = workspace.layers;
-  const StepStats& stats = live.stats();  // measures the state, so that boxes and contacts match the bodies
-  link_->publish(live.world(), layers, renderer_->instances());
+void SceneView::upload(const PublishedState& state) {
+  if (state.key == published_) return;
+  if (state.key.layers.needs_reference()) renderer_->set_ghosts(state.ghosts);
+  link_->show(state.records, renderer_->instances());
   path_name_ = display_path_name(link_->path());
-  range_ = value_range(live.world(), renderer_->scene(), layers, stats);
-  body_legend_ = layers.spheres ? collidoscope::body_legend(layers.color, range_, stats) : Legend{};
-  box_legend_ = layers.boxes ? collidoscope::box_legend(layers.box_color, range_) : Legend{};
-  published_ = wanted;
+  range_ = state.range;
+  published_ = state.key;
 }
 
-void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInspector& tree,
-                     LiveReference& reference, int width, int height) {
+void SceneView::draw(const PublishedState& state, const Workspace& workspace, const TreeInspector& tree,
+                     int width, int height) {
   using Clock = std::chrono::steady_clock;
+  constexpr double slice = 20;  // ms per call
+  if (drawing_) return draw_slice(slice);
   width_ = width;
   height_ = height;
   const bool software = gl::is_software_renderer();
-  const auto bodies = static_cast<std::int64_t>(live.world().initial().size());
-  const DrawOptions options = live_options(draw_request_, software, bodies);
+  const DrawOptions options = live_options(draw_request_, software, state.scene->frame.body_count);
   if (!renderer_) renderer_.emplace(width, height, options);
   renderer_->set_options(options);
-  follow_world(live);
+  follow_scene(state);
   const bool resized = drawn_.width != width || drawn_.height != height;
   if (!camera_set_ || (resized && !camera_moved_)) {
     const bool orthographic = camera_.orthographic;
-    camera_ = scene_camera(scene_camera_request_, renderer_->scene().bounds, aspect());
+    camera_ = scene_camera(data_->camera, renderer_->scene().bounds, aspect());
     camera_.orthographic = orthographic;
     camera_set_ = true;
   }
-  follow_frozen(live);
-  follow_selection(live, workspace);
+  frozen_ = state.frozen;
+  follow_selection(state, workspace);
   mark(workspace, tree);
-  publish(live, workspace, reference);
+  upload(state);
 
-  Drawn wanted{published_, marked_, camera_, options, workspace.hovered_level, width, height, drawn_.scale};
+  FrameLayers layers = published_.layers;
+  layers.grid = workspace.layers.grid;
+  layers.walls = workspace.layers.walls;
+  layers.highlighted_level = workspace.hovered_level;
+  Drawn wanted{published_, layers, marked_, camera_, options, width, height, drawn_.scale};
   const Clock::time_point start = Clock::now();
   const auto since = std::chrono::duration<double>(start - changed_).count();
   if (!(wanted == drawn_)) {
@@ -134,14 +112,30 @@ void SceneView::draw(LiveWorld& live, const Workspace& workspace, const TreeInsp
     return std::max(static_cast<int>(std::lround(wanted.scale * size)), 1);
   };
   renderer_->resize(pixels(width), pixels(height));
-  FrameLayers layers = workspace.layers;
-  layers.highlighted_level = workspace.hovered_level;
-  renderer_->draw(camera_, layers, range_);
-  if (software) {
-    Renderer::finish();
-    view_scale_.took(wanted.scale, std::chrono::duration<double>(Clock::now() - start).count());
+  if (!software) {
+    renderer_->draw(camera_, layers, range_);
+    drawn_ = wanted;
+    return;
   }
-  drawn_ = wanted;
+  renderer_->begin_slices(camera_, layers, range_);
+  drawing_ = wanted;
+  drawing_seconds_ = 0;
+  draw_slice(slice);
+}
+
+void SceneView::draw_slice(double milliseconds) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
+  const bool complete = renderer_->draw_slice(milliseconds);
+  drawing_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+  if (!complete) return;
+  view_scale_.took(drawing_->scale, drawing_seconds_);
+  drawn_ = *drawing_;
+  drawing_.reset();
+}
+
+void SceneView::finish_drawing() {
+  if (drawing_) draw_slice(std::numeric_limits<double>::infinity());
 }
 
 void SceneView::handle_request(CameraRequest request, LiveWorld& live) {
@@ -202,7 +196,7 @@ SceneView::Picked SceneView::pick(int x, int y) {
 std::vector<std::vector<std::pair<double, double>>> SceneView::frozen_outlines() const {
   std::vector<std::vector<std::pair<double, double>>> outlines;
   constexpr double room = 1.08;  // margin of the outline around the selected body
-  for (const Frozen& body : frozen_)
+  for (const PublishedState::Frozen& body : frozen_)
     outlines.push_back(sphere_outline(camera_, body.at, room * body.radius, width_, height_));
   return outlines;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The 3D view: draws a LiveWorld in its area of the window and picks bodies and boxes. Owns the renderer, the
-// display path and the camera. Requires the GL context of its construction.
+// The 3D view: draws a published state in its area of the window and picks bodies and boxes. Owns the
+// renderer, the display path and the camera. Requires the GL context of its construction.
 
 #include <chrono>
 #include <optional>
@@ -11,8 +11,7 @@
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/legend.h"
 #include "viewer/render/renderer.h"
-#include "viewer/session/live_reference.h"
-#include "viewer/session/live_world.h"
+#include "viewer/session/published_state.h"
 #include "viewer/session/tree_inspector.h"
 #include "viewer/view_scale.h"
 
@@ -24,9 +23,13 @@ class SceneView {
   SceneView(DisplayPath request, const DrawRequest& draw, DisplayLink::LogCallback log);
 
   /// Updates camera and buffers, and draws the view at `width` x `height` pixels. A slow renderer draws fewer
-  /// pixels while the view changes. Nothing is drawn if nothing changed.
-  void draw(LiveWorld& live, const Workspace& workspace, const TreeInspector& tree, LiveReference& reference,
-            int width, int height);
+  /// pixels while the view changes, and a part of the picture per call; is_drawing() then returns true and
+  /// `state` must stay the same. Nothing is drawn if nothing changed.
+  void draw(const PublishedState& state, const Workspace& workspace, const TreeInspector& tree, int width,
+            int height);
+  bool is_drawing() const { return drawing_.has_value(); }
+  /// Completes the picture.
+  void finish_drawing();
   int width() const { return width_; }
   int height() const { return height_; }
   /// Drawn pixels per shown pixel, along an axis.
@@ -39,6 +42,7 @@ class SceneView {
   void camera_was_moved() { camera_moved_ = true; }
   /// The scene was replaced: the camera is reset to that of the new scene.
   void forget_camera() { camera_set_ = camera_moved_ = false; }
+  /// `live`: needed for CameraRequest::frame_all, and for frame_selection without a selection.
   void handle_request(CameraRequest request, LiveWorld& live);
   /// The body at a pixel, else the box with an edge near it.
   struct Picked {
@@ -48,9 +52,6 @@ class SceneView {
   Picked pick(int x, int y);
 
   const std::string& display_path() const { return path_name_; }
-  const Legend& body_legend() const { return body_legend_; }
-  const Legend& box_legend() const { return box_legend_; }
-  const ValueRange& range() const { return range_; }
   const std::optional<BodyReport>& selected() const { return selected_; }
   /// Metres, size of the scene's bounds without added bodies.
   double scene_size() const { return renderer_ ? renderer_->scene().size : 1; }
@@ -60,11 +61,11 @@ class SceneView {
   std::vector<std::vector<std::pair<double, double>>> frozen_outlines() const;
 
  private:
-  void follow_world(LiveWorld& live);
-  void follow_frozen(LiveWorld& live);
-  void follow_selection(LiveWorld& live, const Workspace& workspace);
+  void draw_slice(double milliseconds);
+  void follow_scene(const PublishedState& state);
+  void follow_selection(const PublishedState& state, const Workspace& workspace);
   void mark(const Workspace& workspace, const TreeInspector& tree);
-  void publish(LiveWorld& live, const Workspace& workspace, LiveReference& reference);
+  void upload(const PublishedState& state);
   double aspect() const { return static_cast<double>(width_) / height_; }
 
   DisplayPath display_path_request_;
@@ -75,19 +76,11 @@ class SceneView {
   std::string path_name_ = "none";
   OrbitCamera camera_;
   bool camera_moved_ = false, camera_set_ = false;
-  int generation_ = -1;
-  Camera scene_camera_request_;
+  std::shared_ptr<const PublishedState::SceneData> data_;  ///< of the scene in the renderer
 
   // Contents of the buffers: they are filled again only when this changes.
-  struct Published {
-    int generation = -1;
-    std::int64_t step = -1;
-    FrameLayers layers;
-    int reference = 0;
-    friend bool operator==(const Published&, const Published&) = default;
-  } published_;
+  PublishedState::Key published_;
   ValueRange range_;
-  Legend body_legend_, box_legend_;
 
   // Body and state of `selected_`.
   struct Inspected {
@@ -98,13 +91,7 @@ class SceneView {
   } inspected_;
   std::optional<BodyReport> selected_;
 
-  struct Frozen {
-    std::uint32_t id;
-    Vector3d at;    ///< m
-    double radius;  ///< m
-  };
-  std::vector<Frozen> frozen_;  ///< positions are constant
-  int frozen_generation_ = -1;
+  std::vector<PublishedState::Frozen> frozen_;
 
   // Source of the boxes on top of the picture.
   struct Marked {
@@ -117,15 +104,17 @@ class SceneView {
 
   // Contents of the picture: it is drawn again only when this changes.
   struct Drawn {
-    Published state;
+    PublishedState::Key state;
+    FrameLayers layers;
     Marked marked;
     OrbitCamera camera;
     DrawOptions options;
-    int highlighted_level = -1;
     int width = 0, height = 0;
     double scale = 0;
     friend bool operator==(const Drawn&, const Drawn&) = default;
   } drawn_;
+  std::optional<Drawn> drawing_;
+  double drawing_seconds_ = 0;
   int width_ = 1, height_ = 1;
   ViewScale view_scale_;
   std::chrono::steady_clock::time_point changed_;

@@ -117,6 +117,8 @@ void Window::poll(double wait_seconds) {
     glfwPollEvents();
 }
 
+void Window::wake() { glfwPostEmptyEvent(); }
+
 void Window::swap() { glfwSwapBuffers(window_); }
 
 int Window::width() const {

@@ -32,6 +32,8 @@ class Window {
   bool closing() const;
   /// Collects new events. Returns at once, or with `wait_seconds`, when an event arrives.
   void poll(double wait_seconds = 0);
+  /// Ends a poll() that waits. Any thread, while a Window exists.
+  static void wake();
   void swap();
   /// Pixels of the framebuffer; 0 if minimised.
   int width() const;

@@ -67,7 +67,7 @@ class PanelBench {
                                  : ScreenRect{0, 0, static_cast<float>(request_.width),
                                               static_cast<float>(request_.height)}),
         renderer_(static_cast<int>(view_.width), static_cast<int>(view_.height), options_),
-        link_(live_.world(), request_.display_path, log_) {
+        link_(live_.world().info(), request_.display_path, log_) {
     for (const std::string& line : context_.steps_down()) log_(line);
     World& world = live_.world();
     world.records().record_impulses(request_.layers.contacts);

@@ -42,6 +42,12 @@ bool cuda_available(std::string* why) {
   return false;
 }
 
+void use_device_on_this_thread([[maybe_unused]] int gpu) {
+#if SIM_CUDA
+  if (gpu >= 0) check(cudaSetDevice(gpu), "use GPU " + std::to_string(gpu));
+#endif
+}
+
 ComputeDevice open_device(const ExecutorOptions& options) {
   ComputeDevice device;
   std::string why;
@@ -58,7 +64,7 @@ ComputeDevice open_device(const ExecutorOptions& options) {
   if (options.gpu < 0 || options.gpu >= devices)
     throw MachineError("GPU " + std::to_string(options.gpu) + " does not exist: this machine has GPUs 0 to " +
                        std::to_string(devices - 1));
-  check(cudaSetDevice(options.gpu), "use GPU " + std::to_string(options.gpu));
+  use_device_on_this_thread(options.gpu);
   cudaDeviceProp properties{};
   check(cudaGetDeviceProperties(&properties, options.gpu),
         "query the properties of GPU " + std::to_string(options.gpu));

@@ -23,6 +23,10 @@ struct ComputeDevice {
 /// of the calling thread. Throws MachineError if the processor is not available.
 ComputeDevice open_device(const ExecutorOptions& options);
 
+/// Makes the GPU the CUDA device of the calling thread, as open_device() does for the thread that opens it.
+/// Required on each thread that uses a World. -1, the CPU: does nothing. Throws MachineError.
+void use_device_on_this_thread(int gpu);
+
 /// Call this when work is cancelled while a GPU executes it. The process is expected to end soon. Afterwards,
 /// GPU memory, streams and events are left to the operating system, because releasing them would wait for the
 /// GPU. Applies to the whole process.

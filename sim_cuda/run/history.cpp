@@ -25,11 +25,12 @@ void History::add(HistoryStep step, const std::vector<StageTime>& stages) {
     if (step.stage_ms.size() <= place) step.stage_ms.resize(place + 1, -1.0f);
     step.stage_ms[place] = static_cast<float>(time.last_ms);
   }
+  auto shared = std::make_shared<const HistoryStep>(std::move(step));
   if (steps_.size() < capacity_) {
-    steps_.push_back(std::move(step));
+    steps_.push_back(std::move(shared));
     return;
   }
-  steps_[first_] = std::move(step);
+  steps_[first_] = std::move(shared);
   first_ = (first_ + 1) % capacity_;
 }
 
@@ -42,7 +43,7 @@ void History::clear() {
 void History::forget_after(std::int64_t step) {
   std::ranges::rotate(steps_, steps_.begin() + static_cast<std::ptrdiff_t>(first_));
   first_ = 0;
-  std::erase_if(steps_, [&](const HistoryStep& entry) { return entry.step > step; });
+  std::erase_if(steps_, [&](const auto& entry) { return entry->step > step; });
 }
 
 bool History::current(std::size_t stage) const {

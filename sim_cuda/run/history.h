@@ -1,8 +1,9 @@
 #pragma once
 // Ring buffer of the last steps of a run, for graphs, tables and files: measurements and stage times. Plain
-// data on the host, owned by the class that steps the World.
+// data on the host, owned by the class that steps the World. Copies share the steps, so copying is fast.
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -58,7 +59,7 @@ class History {
   std::size_t size() const { return steps_.size(); }
   std::size_t capacity() const { return capacity_; }
   /// Step i; 0 is the oldest.
-  const HistoryStep& operator[](std::size_t i) const { return steps_[(first_ + i) % steps_.size()]; }
+  const HistoryStep& operator[](std::size_t i) const { return *steps_[(first_ + i) % steps_.size()]; }
   const std::vector<Stage>& stages() const { return stages_; }
 
   /// True if the newest step with stage timing has this stage. Broad phases have different stages.
@@ -74,7 +75,7 @@ class History {
   TimeSummary summarize(std::size_t window, Value value) const;
 
   std::size_t capacity_, first_ = 0;
-  std::vector<HistoryStep> steps_;
+  std::vector<std::shared_ptr<const HistoryStep>> steps_;
   std::vector<Stage> stages_;
 };
 

@@ -55,16 +55,4 @@ void Publisher::publish(const PublishTarget& target) {
 
 void Publisher::set_errors(std::vector<float> errors) { errors_ = std::move(errors); }
 
-void* Publisher::scratch(std::size_t bytes, int slot) {
-  while (scratch_.size() <= static_cast<std::size_t>(slot))
-    scratch_.push_back(std::make_unique<Buffer<std::byte>>(run_.executor, "draw workspace"));
-  Buffer<std::byte>& buffer = *scratch_[static_cast<std::size_t>(slot)];
-  if (buffer.size() < bytes) buffer.resize_discarding(bytes);
-  return buffer.data();
-}
-
-void Publisher::copy_to_host(void* host, const void* source, std::size_t bytes) {
-  run_.executor.copy_to_host(host, source, bytes);
-}
-
 }  // namespace collidoscope

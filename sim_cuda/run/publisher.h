@@ -1,6 +1,5 @@
 #pragma once
-// Writes draw records of a world into memory of the caller (sim_cuda/publish/publish.h). Provides executor
-// memory for renderers.
+// Writes draw records of a world into memory of the caller (sim_cuda/publish/publish.h).
 
 #include <cstddef>
 #include <memory>
@@ -34,15 +33,8 @@ class Publisher {
   void set_errors(std::vector<float> errors);
   const std::vector<float>& errors() const { return errors_; }  ///< as set by set_errors()
 
-  /// Memory in the executor's space for a renderer that cannot map its own: device memory on a GPU,
-  /// otherwise host memory. Freed with the World.
-  void* scratch(std::size_t bytes, int slot);
-  /// Copies from the executor's memory space to the host.
-  void copy_to_host(void* host, const void* source, std::size_t bytes);
-
  private:
   Simulation& run_;
-  std::vector<std::unique_ptr<Buffer<std::byte>>> scratch_;
   std::vector<float> errors_;                    ///< by body, m
   std::unique_ptr<Buffer<float>> drawn_errors_;  ///< created at the first use
 };

@@ -68,6 +68,18 @@ void BodyPass::draw(const InstanceBuffers& instances, Output output, GLuint colo
   gl::check("draw " + std::to_string(instances.counts.bodies) + " bodies");
 }
 
+void BodyPass::draw_part(const InstanceBuffers& instances, Output output, GLuint colors, std::int64_t first,
+                         std::int64_t count) {
+  glBindTextureUnit(0, colors);
+  for (FrameScene::Run run : runs_) {
+    const std::int64_t end = std::min(run.first + run.count, first + count);
+    run.first = std::max(run.first, first);
+    run.count = end - run.first;
+    draw_run(instances, static_cast<std::size_t>(output), run);
+  }
+  gl::check("draw " + std::to_string(count) + " bodies");
+}
+
 void BodyPass::draw_run(const InstanceBuffers& instances, std::size_t output,
                         const FrameScene::Run& run) const {
   const auto count = static_cast<GLsizei>(std::min(run.count, instances.counts.bodies - run.first));

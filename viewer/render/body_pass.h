@@ -28,6 +28,9 @@ class BodyPass {
   /// small and rarely drawn.
   void draw(const InstanceBuffers& instances, Output output, GLuint colors, const gl::Target& target,
             bool compute);
+  /// Draws `count` bodies from body `first` on, spheres as quads.
+  void draw_part(const InstanceBuffers& instances, Output output, GLuint colors, std::int64_t first,
+                 std::int64_t count);
 
  private:
   void draw_run(const InstanceBuffers& instances, std::size_t output, const FrameScene::Run& run) const;

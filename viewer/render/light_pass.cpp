@@ -27,11 +27,11 @@ void LightPass::resize(int width, int height) {
   smooth_.emplace("smooth occlusion", width, height, std::vector<GLenum>{GL_R16F}, 0);
 }
 
-const gl::Target& LightPass::begin_shadows() const {
+const gl::Target& LightPass::begin_shadows(bool clear) const {
   shadow_.bind();
   glDepthMask(GL_TRUE);
   const float farthest = 0;
-  glClearNamedFramebufferfv(shadow_.framebuffer(), GL_DEPTH, 0, &farthest);
+  if (clear) glClearNamedFramebufferfv(shadow_.framebuffer(), GL_DEPTH, 0, &farthest);
   glDisable(GL_BLEND);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);

@@ -16,8 +16,8 @@ class LightPass {
   explicit LightPass(Quality quality);
   /// Size of the picture in pixels, with `scale` x `scale` samples per pixel.
   void resize(int width, int height);
-  /// The shadow map: cleared, bound, and ready for drawing bodies.
-  const gl::Target& begin_shadows() const;
+  /// The shadow map: bound, and ready for drawing bodies. `clear`: false to draw more bodies into it.
+  const gl::Target& begin_shadows(bool clear = true) const;
   /// Lights `surface` (albedo, normal, depth) into `lit`, which shares the depth of `surface`.
   void draw(const gl::Target& surface, const gl::Target& lit) const;
 

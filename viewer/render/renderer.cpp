@@ -1,6 +1,7 @@
 #include "viewer/render/renderer.h"
 
 #include <algorithm>
+#include <chrono>
 
 #include "viewer/render/colors.h"
 #include "viewer/render/gl/errors.h"
@@ -52,15 +53,18 @@ Renderer::Renderer(int width, int height, DrawOptions options)
       heat_(color_map_texture(heat_map())) {
   light_.emplace(options.light);
   resize(width, height);
+  const float black[4] = {0, 0, 0, 1};
+  glClearNamedFramebufferfv(picture_->framebuffer(), GL_COLOR, 0, black);
 }
 
 void Renderer::resize(int width, int height) {
-  if (picture_ && picture_->width() == width && picture_->height() == height) return;
+  if (surface_ && picture_ && picture_->width() == width && picture_->height() == height) return;
   const int w = width * options_.supersampling, h = height * options_.supersampling;
   surface_.emplace("surface", w, h, std::vector<GLenum>{GL_RGBA8, GL_RGB10_A2}, GL_DEPTH_COMPONENT32F);
   // Lighting and lines test the depth of the surfaces and never write it.
   lit_.emplace("lit image", w, h, std::vector<GLenum>{GL_RGBA8}, 0);
   glNamedFramebufferTexture(lit_->framebuffer(), GL_DEPTH_ATTACHMENT, surface_->depth(), 0);
+  if (picture_ && !previous_) previous_ = std::move(picture_);
   picture_.emplace("picture", width, height, std::vector<GLenum>{GL_RGBA8}, 0);
   ids_.reset();
   light_->resize(width, height);
@@ -71,7 +75,7 @@ void Renderer::set_options(const DrawOptions& options) {
   const int w = width(), h = height();
   if (options.light != options_.light) light_.emplace(options.light);
   options_ = options;
-  picture_.reset();
+  surface_.reset();
   resize(w, h);
 }
 
@@ -106,47 +110,121 @@ void Renderer::bind_uniforms(const gl::Buffer& buffer) const {
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, buffer.get());
 }
 
+Renderer::Frame Renderer::frame_of(const OrbitCamera& camera, const FrameLayers& layers,
+                                   const ValueRange& values) const {
+  Frame frame;
+  frame.layers = layers;
+  frame.values = values;
+  frame.camera =
+      camera_uniforms(camera, scene_, surface_->width(), surface_->height(), options_.supersampling);
+  frame.light = light_uniforms(scene_, light_->shadow_size());
+  set_light(frame.camera, frame.light);
+  set_values(frame.camera, values, layers.color == BodyColor::id);
+  const int levels = static_cast<int>(instances_.level_sizes.size());
+  const bool boxes = layers.boxes && levels > 0;
+  frame.last_level = boxes ? layers.first_level + levels - 1 : last_mark_level_;
+  set_levels(frame.camera, boxes ? layers.first_level : 0, frame.last_level);
+  return frame;
+}
+
+void Renderer::bind(const Frame& frame) {
+  camera_uniforms_.upload(&frame.camera, sizeof frame.camera);
+  light_uniforms_.upload(&frame.light, sizeof frame.light);
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);  // preserves the precision of reversed depth
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_CULL_FACE);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
+void Renderer::begin_surface(bool clear) {
+  bind_uniforms(camera_uniforms_);
+  surface_->bind();
+  glDepthMask(GL_TRUE);
+  const float nothing[4] = {};
+  if (clear) {
+    glClearNamedFramebufferfv(surface_->framebuffer(), GL_COLOR, 0, nothing);
+    glClearNamedFramebufferfv(surface_->framebuffer(), GL_COLOR, 1, nothing);
+    glClearNamedFramebufferfv(surface_->framebuffer(), GL_DEPTH, 0, nothing);
+  }
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glDisable(GL_BLEND);
+}
+
 void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values,
                     gl::PassClock* clock) {
   const auto mark = [&](const char* pass) {
     if (clock) clock->mark(pass);
   };
   if (clock) clock->begin();
-  FrameUniforms uniforms =
-      camera_uniforms(camera, scene_, surface_->width(), surface_->height(), options_.supersampling);
-  const FrameUniforms light = light_uniforms(scene_, light_->shadow_size());
-  set_light(uniforms, light);
-  set_values(uniforms, values, layers.color == BodyColor::id);
-  const int levels = static_cast<int>(instances_.level_sizes.size());
-  const bool boxes = layers.boxes && levels > 0;
-  const int last_level = boxes ? layers.first_level + levels - 1 : last_mark_level_;
-  set_levels(uniforms, boxes ? layers.first_level : 0, last_level);
-  camera_uniforms_.upload(&uniforms, sizeof uniforms);
-  light_uniforms_.upload(&light, sizeof light);
-  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);  // preserves the precision of reversed depth
-  glDisable(GL_SCISSOR_TEST);
-  glDisable(GL_CULL_FACE);
-  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-
+  sliced_.reset();
+  const Frame frame = frame_of(camera, layers, values);
+  bind(frame);
   const bool compute = computes_spheres();
   bind_uniforms(light_uniforms_);
   const gl::Target& shadows = light_->begin_shadows();
   if (layers.spheres) bodies_.draw(instances_, BodyPass::Output::shadow, colors_.get(), shadows, compute);
   mark("shadows");
-
-  bind_uniforms(camera_uniforms_);
-  surface_->bind();
-  glDepthMask(GL_TRUE);
-  const float nothing[4] = {};
-  glClearNamedFramebufferfv(surface_->framebuffer(), GL_COLOR, 0, nothing);
-  glClearNamedFramebufferfv(surface_->framebuffer(), GL_COLOR, 1, nothing);
-  glClearNamedFramebufferfv(surface_->framebuffer(), GL_DEPTH, 0, nothing);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_GREATER);
-  glDisable(GL_BLEND);
+  begin_surface(true);
   if (layers.spheres) bodies_.draw(instances_, BodyPass::Output::surface, colors_.get(), *surface_, compute);
   mark("bodies");
+  light_and_layers(frame, mark);
+}
+
+void Renderer::begin_slices(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values) {
+  const std::int64_t per_part = sliced_ ? sliced_->per_part : Frame{}.per_part;
+  sliced_ = frame_of(camera, layers, values);
+  sliced_->per_part = per_part;
+}
+
+bool Renderer::draw_slice(double milliseconds) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
+  const auto ms_since = [](Clock::time_point then) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - then).count();
+  };
+  Frame& frame = *sliced_;
+  const std::int64_t bodies = frame.layers.spheres ? instances_.counts.bodies : 0;
+  bind(frame);
+  // First all bodies into the shadow map, then all into the picture.
+  const auto draw_part = [&] {
+    const bool shadows = frame.drawn < bodies;
+    const std::int64_t first = shadows ? frame.drawn : frame.drawn - bodies;
+    if (shadows) {
+      bind_uniforms(light_uniforms_);
+      light_->begin_shadows(first == 0);
+    } else {
+      begin_surface(first == 0);
+    }
+    const std::int64_t count = std::min(frame.per_part, bodies - first);
+    bodies_.draw_part(instances_, shadows ? BodyPass::Output::shadow : BodyPass::Output::surface,
+                      colors_.get(), first, count);
+    frame.drawn += count;
+  };
+  if (bodies == 0 && frame.drawn == 0) {
+    bind_uniforms(light_uniforms_);
+    light_->begin_shadows();
+    begin_surface(true);
+  }
+  while (frame.drawn < 2 * bodies) {
+    if (ms_since(start) >= milliseconds) return false;
+    const Clock::time_point before = Clock::now();
+    draw_part();
+    finish();
+    const double ms = ms_since(before);
+    if (ms > milliseconds / 2) frame.per_part = std::max<std::int64_t>(frame.per_part / 2, 256);
+    if (ms < milliseconds / 8) frame.per_part = std::min<std::int64_t>(2 * frame.per_part, 1 << 20);
+  }
+  begin_surface(false);
+  light_and_layers(frame, [](const char*) {});
+  finish();
+  return true;
+}
+
+/// The rest of a picture, when the bodies are drawn.
+void Renderer::light_and_layers(const Frame& frame, const std::function<void(const char*)>& mark) {
+  const FrameLayers& layers = frame.layers;
   if (layers.grid) planes_.draw_surfaces();
   gl::check("draw the surfaces");
   mark("planes");
@@ -163,16 +241,17 @@ void Renderer::draw(const OrbitCamera& camera, const FrameLayers& layers, const 
   if (layers.boxes || layers.contacts) lines_.look_at(*surface_, options_.cull_lines);
   glBindTextureUnit(0, heat_.get());
   if (layers.boxes)
-    lines_.draw_boxes(instances_.boxes, instances_.level_sizes, layers.first_level, last_level,
-                      box_colors(layers, values), layers.highlighted_level);
+    lines_.draw_boxes(instances_.boxes, instances_.level_sizes, layers.first_level, frame.last_level,
+                      box_colors(layers, frame.values), layers.highlighted_level);
   mark("boxes");
   if (layers.contacts) lines_.draw_contacts(instances_.contacts, instances_.counts.contacts);
   mark("contacts");
   if (layers.ghosts) ghosts_.draw_ghosts();
-  if (layers.errors) ghosts_.draw_errors(values.error_scale);
+  if (layers.errors) ghosts_.draw_errors(frame.values.error_scale);
   if (mark_count_ > 0) lines_.draw_marks(marks_, mark_count_);
 
   resolve();
+  previous_.reset();
   gl::check("draw a frame of " + std::to_string(width()) + "x" + std::to_string(height()));
   mark("resolve");
 }

@@ -3,6 +3,7 @@
 // framebuffers, passes and instance buffers. Requires the GL context of its construction.
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -58,11 +59,16 @@ class Renderer {
   /// `clock`: optional timer of the passes.
   void draw(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values,
             gl::PassClock* clock = nullptr);
+  /// Draws a picture in parts, so that a slow renderer does not block the caller. draw_slice() continues for
+  /// about `milliseconds` and returns whether the picture is complete. Until then picture() is the previous
+  /// one, unless the size was changed. Everything that is drawn must stay the same between the calls.
+  void begin_slices(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values);
+  bool draw_slice(double milliseconds);
   Image read_picture() const;
   /// Waits until the GPU has finished all commands.
   static void finish();
   /// The framebuffer with the picture. Text and panels are drawn on top of it.
-  const gl::Target& picture() const { return *picture_; }
+  const gl::Target& picture() const { return previous_ ? *previous_ : *picture_; }
 
   /// One id per pixel of the picture, rows from the top; 0: background. Independent of draw(): no blending,
   /// one sample per pixel.
@@ -74,6 +80,19 @@ class Renderer {
   std::optional<std::uint32_t> pick_box(const OrbitCamera& camera, IdLayers layers, int x, int y, int reach);
 
  private:
+  /// A picture that is being drawn.
+  struct Frame {
+    FrameUniforms camera, light;
+    FrameLayers layers;
+    ValueRange values;
+    int last_level = 0;
+    std::int64_t drawn = 0;        ///< bodies, into the shadow map and then into the picture
+    std::int64_t per_part = 4096;  ///< bodies between two looks at the clock
+  };
+  Frame frame_of(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values) const;
+  void bind(const Frame& frame);
+  void begin_surface(bool clear);
+  void light_and_layers(const Frame& frame, const std::function<void(const char*)>& mark);
   void draw_id_target(const OrbitCamera& camera, const IdLayers& layers);
   void bind_uniforms(const gl::Buffer& buffer) const;
   void resolve() const;  ///< resolves the lit picture into the displayed one
@@ -94,6 +113,8 @@ class Renderer {
   int last_mark_level_ = 0;
   gl::TextureHandle colors_, heat_;  ///< colour maps of bodies and boxes
   std::optional<gl::Target> surface_, lit_, picture_, ids_;
+  std::optional<gl::Target> previous_;  ///< picture of the former size, until the next one is complete
+  std::optional<Frame> sliced_;
 };
 
 }  // namespace collidoscope

@@ -16,9 +16,10 @@ void WindowFrame::resize(int width, int height) {
 void WindowFrame::place(const Renderer& renderer, int x, int y, int width, int height) const {
   glDisable(GL_SCISSOR_TEST);
   const int bottom = this->height() - y - height;
-  const bool same = renderer.width() == width && renderer.height() == height;
-  glBlitNamedFramebuffer(renderer.picture().framebuffer(), target_.framebuffer(), 0, 0, renderer.width(),
-                         renderer.height(), x, bottom, x + width, bottom + height, GL_COLOR_BUFFER_BIT,
+  const gl::Target& picture = renderer.picture();
+  const bool same = picture.width() == width && picture.height() == height;
+  glBlitNamedFramebuffer(picture.framebuffer(), target_.framebuffer(), 0, 0, picture.width(),
+                         picture.height(), x, bottom, x + width, bottom + height, GL_COLOR_BUFFER_BIT,
                          same ? GL_NEAREST : GL_LINEAR);
   gl::check("copy the 3D view to the window");
 }

@@ -28,7 +28,6 @@ struct CudaGlBuffers::Impl {
   int gpu = 0;
   std::array<cudaGraphicsResource_t, 4> resources{};
   std::array<int, 4> generations{};  // 0: not registered
-  bool mapped = false;
 
   void unregister(std::size_t i) {
     if (resources[i]) cudaGraphicsUnregisterResource(resources[i]);
@@ -53,42 +52,45 @@ CudaGlBuffers::CudaGlBuffers(int gpu) : impl_(std::make_unique<Impl>()) {
 }
 
 CudaGlBuffers::~CudaGlBuffers() {
-  if (impl_->mapped) unmap();
   for (std::size_t i = 0; i < 4; ++i) impl_->unregister(i);
 }
 
-CudaGlBuffers::Addresses CudaGlBuffers::map(const InstanceBuffers& buffers) {
+void CudaGlBuffers::copy(const std::array<PublishedRecords::Part, 4>& parts, const InstanceBuffers& buffers) {
   Impl& m = *impl_;
   check(cudaSetDevice(m.gpu), "use device " + std::to_string(m.gpu));
-  const std::array<const gl::Buffer*, 4> sources{&buffers.bodies, &buffers.boxes, &buffers.contacts,
-                                                 &buffers.joints};
+  const std::array<const gl::Buffer*, 4> to{&buffers.bodies, &buffers.boxes, &buffers.contacts,
+                                            &buffers.joints};
   for (std::size_t i = 0; i < 4; ++i) {
-    if (m.generations[i] == sources[i]->generation()) continue;
+    if (m.generations[i] == to[i]->generation()) continue;
     m.unregister(i);
-    check(cudaGraphicsGLRegisterBuffer(&m.resources[i], sources[i]->get(),
-                                       cudaGraphicsRegisterFlagsWriteDiscard),
-          "register a GL buffer of " + std::to_string(sources[i]->capacity()) + " bytes");
-    m.generations[i] = sources[i]->generation();
+    check(cudaGraphicsGLRegisterBuffer(&m.resources[i], to[i]->get(), cudaGraphicsRegisterFlagsWriteDiscard),
+          "register a GL buffer of " + std::to_string(to[i]->capacity()) + " bytes");
+    m.generations[i] = to[i]->generation();
   }
   check(cudaGraphicsMapResources(4, m.resources.data(), nullptr), "map four GL buffers");
-  m.mapped = true;
-  // Mapping synchronises only the default stream, but the simulator uses streams of its own.
-  check(cudaStreamSynchronize(nullptr), "wait for OpenGL");
-  Addresses addresses{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    std::size_t bytes = 0;
-    check(cudaGraphicsResourceGetMappedPointer(&addresses[i], &bytes, m.resources[i]),
-          "query the address of a mapped GL buffer");
-    if (bytes < sources[i]->capacity())
-      throw MachineError("CUDA mapped " + std::to_string(bytes) + " bytes of a GL buffer of " +
-                         std::to_string(sources[i]->capacity()));
+  const auto copy_all = [&] {
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (parts[i].bytes == 0) continue;
+      void* address = nullptr;
+      std::size_t bytes = 0;
+      check(cudaGraphicsResourceGetMappedPointer(&address, &bytes, m.resources[i]),
+            "query the address of a mapped GL buffer");
+      if (bytes < parts[i].bytes)
+        throw MachineError("CUDA mapped " + std::to_string(bytes) + " bytes of a GL buffer, expected " +
+                           std::to_string(parts[i].bytes));
+      check(cudaMemcpyAsync(address, parts[i].data, parts[i].bytes, cudaMemcpyDeviceToDevice, nullptr),
+            "copy to a GL buffer");
+    }
+  };
+  try {
+    copy_all();
+  } catch (...) {
+    cudaGraphicsUnmapResources(4, m.resources.data(), nullptr);
+    throw;
   }
-  return addresses;
-}
-
-void CudaGlBuffers::unmap() {
-  impl_->mapped = false;
-  check(cudaGraphicsUnmapResources(4, impl_->resources.data(), nullptr), "unmap four GL buffers");
+  check(cudaGraphicsUnmapResources(4, m.resources.data(), nullptr), "unmap four GL buffers");
+  // The source is overwritten by the next publication.
+  check(cudaStreamSynchronize(nullptr), "wait for the copies");
 }
 
 }  // namespace collidoscope
@@ -101,10 +103,9 @@ struct CudaGlBuffers::Impl {};
 
 CudaGlBuffers::CudaGlBuffers(int) { throw MachineError("this build has no CUDA support"); }
 CudaGlBuffers::~CudaGlBuffers() = default;
-CudaGlBuffers::Addresses CudaGlBuffers::map(const InstanceBuffers&) {
-  throw MachineError("this build has no CUDA");
+void CudaGlBuffers::copy(const std::array<PublishedRecords::Part, 4>&, const InstanceBuffers&) {
+  throw MachineError("this build has no CUDA support");
 }
-void CudaGlBuffers::unmap() {}
 
 }  // namespace collidoscope
 

@@ -1,9 +1,10 @@
 #pragma once
-// GL buffers that CUDA writes into. Without CUDA every call throws MachineError.
+// Copies draw records from device memory to GL buffers. Without CUDA every call throws MachineError.
 
 #include <array>
 #include <memory>
 
+#include "sim_cuda/run/published_records.h"
 #include "viewer/render/instance_buffers.h"
 
 namespace collidoscope {
@@ -16,11 +17,9 @@ class CudaGlBuffers {
   explicit CudaGlBuffers(int gpu);
   ~CudaGlBuffers();
 
-  /// Device addresses of bodies, boxes, contacts and joints, valid until unmap(). OpenGL has finished
-  /// reading, and CUDA may write from any stream. Throws MachineError.
-  using Addresses = std::array<void*, 4>;
-  Addresses map(const InstanceBuffers& buffers);
-  void unmap();
+  /// Copies bodies, boxes, contacts and joints to the buffers, and waits for the copies. Precondition: the
+  /// buffers are large enough. Throws MachineError.
+  void copy(const std::array<PublishedRecords::Part, 4>& parts, const InstanceBuffers& buffers);
 
  private:
   struct Impl;

@@ -1,11 +1,12 @@
 #pragma once
-// Transfers the published records of a World to the drawn buffers, by the best path that works.
+// Transfers draw records of a World to the drawn buffers, by the best path that works.
 
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "sim_cuda/run/published_records.h"
 #include "sim_cuda/world.h"
 #include "viewer/render/frame_layers.h"
 #include "viewer/render/instance_buffers.h"
@@ -19,21 +20,23 @@ class DisplayLink {
  public:
   using LogCallback = std::function<void(const std::string& line)>;
 
-  /// If the requested path fails, the next one is used; `log` receives one line per fallback.
-  DisplayLink(const World& world, DisplayPath request, LogCallback log);
+  /// If the requested path fails, the next one is used; `log` receives one line per fallback. `info`: of the
+  /// World whose records are shown.
+  DisplayLink(const WorldInfo& info, DisplayPath request, LogCallback log);
 
   DisplayPath path() const { return path_; }
-  /// Publishes the records of the enabled layers for the current state, and sets the counts of the buffers.
+  /// Copies the records to the buffers, and sets the counts of the buffers.
+  void show(const PublishedRecords& records, InstanceBuffers& buffers);
+  /// The same for the records of the enabled layers at the current state.
   void publish(World& world, const FrameLayers& layers, InstanceBuffers& buffers);
 
  private:
   void step_down(const std::string& why, DisplayPath to);
-  bool publish_mapped(World& world, PublishTarget target, const InstanceBuffers& buffers);
-  void publish_uploaded(World& world, PublishTarget target, InstanceBuffers& buffers);
 
   DisplayPath path_;
   LogCallback log_;
   std::unique_ptr<CudaGlBuffers> shared_;
+  PublishedRecords records_;     // of publish()
   std::vector<std::byte> host_;  // host copy for the upload
 };
 
