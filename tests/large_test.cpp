@@ -211,13 +211,43 @@ TEST_F(LargeWindow, ShowsThatItPreparesAndCloses) {
   }
 }
 
+TEST_F(LargeWindow, AnswersWhileBodiesArePreparedAndKeepsTheRunIfCancelled) {
+  WindowDriver window({"box_collider", "--bodies", "2000", "--variant", "scaled", "--executor", "cpu"});
+  const auto prepares = [](const Json& f) {
+    return f["notice"] == "preparing 1,500,000 bodies ...; Esc: cancel";
+  };
+  window.click("settings.bodies");
+  window.hands({"key", "ctrl+a"});
+  window.hands({"type", "1500000"});
+  window.hands({"key", "Return"});
+  window.move(640, 300);
+  ASSERT_TRUE(window.wait_for(prepares)) << window.frame();
+  window.key("F1");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["help"] == true; }));
+  EXPECT_TRUE(prepares(window.frame())) << "the list of keys was opened meanwhile";
+  window.key("F1");
+  window.key("Escape");
+  ASSERT_TRUE(window.wait_for([](const Json& f) {
+    return f["notice"] == "cancelled: preparing 1,500,000 bodies";
+  })) << window.frame();
+  EXPECT_EQ(window.frame()["bodies"], 2000);
+  const std::int64_t step = window.frame()["step"];
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] > step; })) << "the run continues";
+  window.key("space");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return !f["state_hash"].is_null(); }));
+  EXPECT_EQ(window.frame()["state_hash"], expected_hash(window.frame()["step"], 2000, Variant::scaled));
+  EXPECT_EQ(window.frame()["changes"], 0);
+  EXPECT_TRUE(window.frame()["error"].is_null());
+  EXPECT_EQ(close(window), "");
+}
+
 TEST_F(LargeWindow, ClosesWhileAStepIsMadeAndRemembersItsPanels) {
   WindowDriver window({"box_collider", "--bodies", "2000"});
   window.click("settings.bodies");
   window.hands({"key", "ctrl+a"});
   window.hands({"type", "100000"});
   window.hands({"key", "Return"});
-  std::this_thread::sleep_for(std::chrono::seconds(3));  // the program is busy: no frame is drawn
+  std::this_thread::sleep_for(std::chrono::seconds(3));  // bodies are prepared, or a step is made
   window.press_close_button();
   int status = -1;
   const double seconds = window.seconds_to_end(status);

@@ -21,9 +21,10 @@ namespace collidoscope {
 using Json = nlohmann::json;
 
 /// The state hash of the Box Collider after that many steps, computed without a window.
-inline std::string expected_hash(std::int64_t steps, std::int64_t bodies) {
+inline std::string expected_hash(std::int64_t steps, std::int64_t bodies, Variant variant = Variant::paper) {
   Scene scene = read_scene(asset("scenes/box_collider.json").string());
   scene.generators[0].count = bodies;
+  scene.generators[0].variant = variant;
   World world(scene, RunOptions{});
   world.step(static_cast<int>(steps));
   char text[17];

@@ -122,15 +122,12 @@ bool App::run(const std::function<bool()>& ended) {
 
 /// Waits until there is something to draw: an event, a new state, or work of a panel.
 void App::wait_for_events() {
-  bool busy = (workspace_.measure_effects && !costs_.done()) || workspace_.step_requests > 0;
-  busy |= shows_accuracy() && workspace_.accuracy.running && !accuracy_.done();
-  busy |= shows_hard_cases() && !stability_.done();
-  busy |= presimulation_.has_value() || !window_.events().empty() || !buttons_.empty() || frame_ == 0;
-  busy |= workspace_.playing && needs_world();  // the run waits for this thread in each frame
-  window_.poll(busy || scene_.is_drawing() ? 0 : 0.05);
+  bool busy = !window_.events().empty() || !buttons_.empty() || frame_ == 0;
+  busy |= workspace_.step_requests > 0 && !work_in_progress_;
+  window_.poll(busy || scene_.is_drawing() ? 0 : automation_ ? 0.01 : 0.05);
   // A software renderer uses the cores of the simulation. If the run is too slow, it draws at most half of
   // the time, but answers input at once.
-  if (!software_ || busy || !simulation_.behind()) return;
+  if (!software_ || busy || !(simulation_.behind() || slices_in_progress_)) return;
   const Clock::time_point until =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(
                          std::chrono::duration<double>(std::min(frame_seconds_, 0.07)));
@@ -168,11 +165,14 @@ void App::frame(double seconds) {
   gui_.begin(width, height, static_cast<float>(std::max(seconds, 1e-4)));
   for (const InputEvent& event : events) with_error_bar([&] { handle(event); });
   with_error_bar([&] { fly_camera(seconds); });
+  if (!workspace_.notice.empty() && Clock::now() - notice_since_ > std::chrono::seconds(5))
+    workspace_.notice.clear();
+  show_progress();
   // Short steps are waited for, so that requests are handled in this frame.
   constexpr std::chrono::milliseconds patience(8);
   has_world_ = simulation_.paused() || (needs_world() && simulation_.pause(patience));
   if (has_world_) {
-    use_world(seconds);
+    use_world();
   } else {
     if (!scene_.is_drawing() && simulation_.take(next_)) follow_next();
     simulation_.update(plan());
@@ -212,11 +212,15 @@ void App::draw_scene(const ScreenRect& rect) {
   history_ = next_->history;
 }
 
-/// Contents of panels that come from the world.
+/// Contents of panels that the simulation thread changes.
 void App::follow_panels() {
-  if (workspace_.visible_panels.right && workspace_.visible_panels.effects)
+  if (workspace_.visible_panels.right && workspace_.visible_panels.effects) {
     effects_ = costs_.views(live_.world());
-  if (shows_accuracy()) accuracy_.view(live_.world(), workspace_.accuracy);
+    measuring_effects_ = workspace_.measure_effects && !costs_.done();
+  }
+  if (shows_accuracy()) accuracy_view_ = accuracy_.view(live_.world(), workspace_.accuracy);
+  if (shows_hard_cases()) hard_cases_view_ = stability_.view();
+  reference_view_ = reference_.view();
 }
 
 void App::fill(WorkspaceView& view) {
@@ -224,11 +228,11 @@ void App::fill(WorkspaceView& view) {
   view.history = &history_;
   if (workspace_.visible_panels.right && workspace_.visible_panels.effects) {
     view.effect_views = effects_;
-    view.measuring_effects = workspace_.measure_effects && !costs_.done();
+    view.measuring_effects = measuring_effects_;
   }
-  if (shows_accuracy()) view.accuracy = &accuracy_.view();
-  if (shows_hard_cases()) view.hard_cases = &stability_.view();
-  view.reference = reference_.view();
+  if (shows_accuracy()) view.accuracy = &accuracy_view_;
+  if (shows_hard_cases()) view.hard_cases = &hard_cases_view_;
+  view.reference = reference_view_;
   if (view.reference.name.empty())
     view.reference.unavailable_reason = LiveReference::unavailable_reason(view.stats.bodies);
   view.renderer = renderer_name_;
@@ -273,7 +277,7 @@ void App::write_automation(const WorkspaceView& view, double ui_ms) {
   frame.width = picture_.width();
   frame.height = picture_.height();
   with_error_bar([&] {
-    if (has_world_ && !scene_.is_drawing()) frame.state_hash = live_.state_hash();
+    if (has_world_ && !workspace_.playing && !scene_.is_drawing()) frame.state_hash = live_.state_hash();
   });
   const OrbitCamera& camera = scene_.camera();
   for (int axis = 0; axis < 3; ++axis) frame.camera[axis] = camera.target[axis];

@@ -48,13 +48,25 @@ class App {
 
   // The simulation thread (app_simulation.cpp).
   bool needs_world() const;
-  void use_world(double seconds);
+  void use_world();
   void handle_result();
   void follow_settings();
   void follow_next();
   void publish();
   void continue_run();
   SimulationThread::Plan plan() const;
+  /// Work on the world that can take longer than a frame. The simulation thread does it, and then this thread
+  /// calls `then`, or `failed` after an error.
+  struct Work {
+    std::string what;  ///< shown while it lasts
+    std::function<void()> run, then, failed;
+  };
+  void begin(Work work) { works_.push_back(std::move(work)); }
+  void change_world(Change change, const std::string& what);
+  void end_work(const SimulationThread::Result& result);
+  void show_progress();
+  void cancel_work();
+  bool is_slow_to_change() const;
 
   /// Runs an action. An error is shown in the window, and pauses the run if `step` is set. Returns true if
   /// there was no error.
@@ -70,10 +82,10 @@ class App {
   void fly_camera(double seconds);
 
   // Requests from panels (app_requests.cpp).
-  void handle_requests(double seconds);
-  void apply_settings(double seconds);
-  bool finish_presimulation(const Scene& scene, double seconds, std::optional<RunState>& rest);
-  void restart(double seconds);
+  void handle_requests();
+  void apply_settings();
+  bool finish_presimulation(const Scene& scene, std::optional<RunState>& rest);
+  void restart();
   void go_to_requested_state();
   void show_notice(const std::string& notice);
   void export_history(bool csv);
@@ -86,7 +98,7 @@ class App {
   bool shows_accuracy() const {
     return workspace_.visible_panels.right && workspace_.visible_panels.accuracy;
   }
-  void measure_accuracy(double seconds);
+  void measure_accuracy();
   void save_picture();
 
   // Stops by guards and break conditions (app_breaks.cpp).
@@ -97,7 +109,7 @@ class App {
   bool shows_hard_cases() const {
     return workspace_.visible_panels.right && workspace_.visible_panels.hard_cases;
   }
-  void follow_hard_cases(double seconds);
+  void follow_hard_cases();
   void show_case(LiveStability::Opened opened);
   void restore_scene_before();
   void show_another_scene();
@@ -134,6 +146,12 @@ class App {
   std::optional<ReplacedRun> run_before_cases_;  ///< run that was replaced by a hard case
   std::optional<Presimulation> presimulation_;   ///< pre-simulation of the next run
   std::string settling_scene_;                   ///< scene file text of the pre-simulated scene
+  std::deque<Work> works_;                       ///< the first one may be in progress
+  /// Time slices of other work, in this frame. They return whether there is more to do.
+  std::vector<std::function<bool()>> slices_;
+  bool work_in_progress_ = false, slices_in_progress_ = false, settling_ = false, cancel_requested_ = false;
+  Clock::time_point work_since_;
+  std::string change_notice_;  ///< of the last change of settings
   EffectCosts costs_;
   int costs_generation_ = -1;   ///< generation of the World that costs_ was measured on
   bool keeps_settings_ = true;  ///< write the settings file at exit; set with workspace_
@@ -149,9 +167,14 @@ class App {
     Clock::time_point when;
     double simulated;  ///< s, total simulated time of all runs
   };
-  std::deque<Moment> moments_;       ///< frames of the last second
-  double frame_seconds_ = 0;         ///< of the last frame
-  std::vector<EffectView> effects_;  ///< contents of the effects panel
+  std::deque<Moment> moments_;  ///< frames of the last second
+  double frame_seconds_ = 0;    ///< of the last frame
+  /// Contents of panels whose data the simulation thread changes.
+  std::vector<EffectView> effects_;
+  bool measuring_effects_ = false;
+  AccuracyView accuracy_view_;
+  HardCasesView hard_cases_view_;
+  ReferenceView reference_view_;
 
   std::set<int> buttons_, keys_;  ///< pressed over the 3D view and still held
   double mouse_x_ = 0, mouse_y_ = 0, moved_ = 0;

@@ -21,7 +21,7 @@ void App::handle_stop_request() {
       breaks_.resume();
       if (stop->is_violation) {
         workspace_.settings.guards.reset();
-        apply_settings(0);
+        apply_settings();
         show_notice("guards are switched off");
       }
       workspace_.playing = true;
@@ -33,12 +33,18 @@ void App::handle_stop_request() {
       show_notice(fmt::format("body {} is frozen; Space: resume", *stop->body));
       break;
     case StopRequest::save: {
-      std::string bytes;
-      write_snapshot(breaks_.snapshot_before(live_), [&](std::string_view more) { bytes += more; });
       const std::string file =
           unused_file_name(fmt::format("before_{:06}", stop->state_before + 1), "snapshot");
-      write_file_atomically(file, bytes);
-      show_notice(fmt::format("wrote {}, a snapshot of state {}", file, stop->state_before));
+      begin({"saving the state before the stop",
+             [this, file] {
+               std::string bytes;
+               write_snapshot(breaks_.snapshot_before(live_), [&](std::string_view more) { bytes += more; });
+               write_file_atomically(file, bytes);
+             },
+             [this, file, state = stop->state_before] {
+               show_notice(fmt::format("wrote {}, a snapshot of state {}", file, state));
+             },
+             {}});
       break;
     }
   }

@@ -1,20 +1,23 @@
 // The hard cases panel: runs tests while it is open, and opens a case in place of the scene.
 
-#include <algorithm>
 #include <utility>
 
 #include "viewer/app.h"
 
 namespace collidoscope {
 
-void App::follow_hard_cases(double seconds) {
+void App::follow_hard_cases() {
   if (!shows_hard_cases()) return;
   HardCasesRequests& requests = workspace_.hard_cases;
   if (std::exchange(requests.back, false)) return restore_scene_before();
   stability_.follow(live_.world(), requests);
-  // ms per frame: half of the last frame time, so that a slow renderer keeps its share.
-  stability_.advance(std::clamp(500 * seconds, 12.0, 60.0));
   if (auto opened = stability_.take_opened()) show_case(std::move(*opened));
+  if (stability_.done()) return;
+  constexpr double slice = 20;  // ms
+  slices_.emplace_back([this] {
+    stability_.advance(slice);
+    return !stability_.done();
+  });
 }
 
 void App::show_case(LiveStability::Opened opened) {
@@ -31,11 +34,16 @@ void App::show_case(LiveStability::Opened opened) {
 
 void App::restore_scene_before() {
   if (!run_before_cases_) return;
-  live_.open(run_before_cases_->start.world(run_before_cases_->options),
-             std::move(run_before_cases_->record));
-  run_before_cases_.reset();
-  stability_.no_case_shown();
-  show_another_scene();
+  begin({"opening " + run_before_cases_->start.scene.name,
+         [this] {
+           live_.open(run_before_cases_->start.world(run_before_cases_->options), run_before_cases_->record);
+         },
+         [this] {
+           run_before_cases_.reset();
+           stability_.no_case_shown();
+           show_another_scene();
+         },
+         {}});
 }
 
 void App::show_another_scene() {

@@ -116,10 +116,8 @@ void App::handle_key(const InputEvent& event) {
       break;
     case GLFW_KEY_ESCAPE:
       if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) break;  // Escape closes the popup
-      if (presimulation_) {
-        workspace_.settings = known_settings_;
-        workspace_.restart_requested = false;
-        show_notice("settling cancelled");
+      if (work_in_progress_ || settling_) {
+        cancel_work();
         break;
       }
       workspace_.help = false;

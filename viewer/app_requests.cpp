@@ -9,6 +9,7 @@
 #include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/scene_file.h"
+#include "ui/widgets.h"
 #include "viewer/app_error_bar.h"
 #include "viewer/render/image.h"
 #include "viewer/session/projectile.h"
@@ -21,28 +22,26 @@ void App::show_notice(const std::string& notice) {
   notice_since_ = Clock::now();
 }
 
-void App::handle_requests(double seconds) {
-  if (!workspace_.notice.empty() && Clock::now() - notice_since_ > std::chrono::seconds(5))
-    workspace_.notice.clear();
+void App::handle_requests() {
   if (std::exchange(workspace_.csv_requested, false)) with_error_bar([&] { export_history(true); });
   if (std::exchange(workspace_.json_requested, false)) with_error_bar([&] { export_history(false); });
   with_error_bar(
       [&] { scene_.handle_request(std::exchange(workspace_.camera_request, CameraRequest::none), live_); });
-  with_error_bar([&] { apply_settings(seconds); });
+  with_error_bar([&] { apply_settings(); });
   if (std::exchange(workspace_.changes_file_requested, false)) with_error_bar([&] { export_changes(); });
   if (std::exchange(workspace_.projectile_requested, false)) with_error_bar([&] { spawn_projectile(); });
   if (std::exchange(workspace_.removal_requested, false)) with_error_bar([&] { remove_selected(); });
   with_error_bar([&] { go_to_requested_state(); });
   const bool pending = workspace_.settings != live_.settings();
-  if (workspace_.restart_requested && !pending) with_error_bar([&] { restart(seconds); });
+  if (workspace_.restart_requested && !pending) with_error_bar([&] { restart(); });
   if (!workspace_.restart_requested && !pending) presimulation_.reset();
   if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
     workspace_.selection.reset();
   with_error_bar([&] { handle_stop_request(); });
   with_error_bar([&] { follow_reference(); });
   with_error_bar([&] { measure_effects(); });
-  with_error_bar([&] { measure_accuracy(seconds); });
-  with_error_bar([&] { follow_hard_cases(seconds); });
+  with_error_bar([&] { measure_accuracy(); });
+  with_error_bar([&] { follow_hard_cases(); });
 }
 
 void App::go_to_requested_state() {
@@ -50,9 +49,11 @@ void App::go_to_requested_state() {
   const Timeline& timeline = live_.timeline();
   if (!state || *state < timeline.first() || *state > timeline.last() || *state == live_.world().steps())
     return;
-  live_.go_to(*state);
-  workspace_.settings = live_.settings();
   workspace_.playing = false;
+  begin({fmt::format("going to state {}", *state),
+         [this, state] { live_.go_to(*state); },
+         [this] { workspace_.settings = live_.settings(); },
+         {}});
 }
 
 void App::measure_effects() {
@@ -62,15 +63,22 @@ void App::measure_effects() {
   if (another || (costs_.begun() && !workspace_.measure_effects)) costs_.begin(live_.world());
   costs_generation_ = live_.generation();
   constexpr double slice = 10;  // ms per frame
-  if (workspace_.measure_effects) costs_.advance(live_.world(), slice);
+  if (!workspace_.measure_effects || costs_.done()) return;
+  slices_.emplace_back([this] {
+    costs_.advance(live_.world(), slice);
+    return !costs_.done();
+  });
 }
 
-void App::measure_accuracy(double seconds) {
+void App::measure_accuracy() {
   if (!shows_accuracy()) return;
   accuracy_.follow(live_.world(), live_.generation(), workspace_.accuracy);
-  // ms per frame: half of the last frame time, so that a slow renderer keeps its share.
-  const double slice = std::clamp(500 * seconds, 12.0, 60.0);
-  if (workspace_.accuracy.running) accuracy_.advance(slice);
+  if (!workspace_.accuracy.running || accuracy_.done()) return;
+  constexpr double slice = 20;  // ms
+  slices_.emplace_back([this] {
+    accuracy_.advance(slice);
+    return !accuracy_.done();
+  });
 }
 
 void App::follow_reference() {
@@ -81,65 +89,75 @@ void App::follow_reference() {
 
 /// Whether a run of this scene can begin. If the scene needs pre-simulation, advances it; the present run
 /// continues until it is done. Sets `rest` to the settled state.
-bool App::finish_presimulation(const Scene& scene, double seconds, std::optional<RunState>& rest) {
+bool App::finish_presimulation(const Scene& scene, std::optional<RunState>& rest) {
   if (!needs_presimulation(scene)) return true;
   std::string text = write_scene(scene);
-  if (!presimulation_ || settling_scene_ != text) {
-    presimulation_.emplace(scene, live_.world().options());
-    settling_scene_ = std::move(text);
+  if (settling_scene_ != text) presimulation_.reset();
+  settling_scene_ = std::move(text);
+  if (presimulation_ && presimulation_->done()) {
+    rest = presimulation_->take();
+    presimulation_.reset();
+    workspace_.notice.clear();
+    return true;
   }
-  // ms per frame: half of the last frame time, so that a slow renderer keeps its share.
-  presimulation_->advance(std::clamp(500 * seconds, 30.0, 250.0));
-  if (!presimulation_->done()) {
+  if (presimulation_)
     show_notice(fmt::format("settling the bodies: step {} of at most {}; Esc: cancel",
                             presimulation_->steps(), presimulation_->max_steps()));
-    return false;
-  }
-  rest = presimulation_->take();
-  presimulation_.reset();
-  workspace_.notice.clear();
-  return true;
+  settling_ = true;
+  constexpr double slice = 30;  // ms
+  slices_.emplace_back([this, scene, options = RunOptions(live_.world().options())] {
+    if (!presimulation_) presimulation_.emplace(scene, options);
+    presimulation_->advance(slice);
+    return !presimulation_->done();
+  });
+  return false;
 }
 
-void App::restart(double seconds) {
+void App::restart() {
   std::optional<RunState> rest;
-  try {
-    if (!live_.scripted() && !finish_presimulation(live_.world().scene(), seconds, rest)) return;
-    live_.restart(rest ? &*rest : nullptr);
-    workspace_.settings = live_.settings();  // a script restarts with its initial settings
-  } catch (...) {
-    workspace_.restart_requested = false;
-    throw;
-  }
+  if (!live_.scripted() && !finish_presimulation(live_.world().scene(), rest)) return;
   workspace_.restart_requested = false;
+  const auto run = [this, rest] { live_.restart(rest ? &*rest : nullptr); };
+  const auto then = [this] { workspace_.settings = live_.settings(); };  // a script has its initial settings
+  if (is_slow_to_change()) return begin({"restarting", run, then, {}});
+  run();
+  then();
 }
 
-void App::apply_settings(double seconds) {
+void App::apply_settings() {
   const Settings now = live_.settings();
   if (!workspace_.adjusting) extends_last_change_ = false;
   if (workspace_.settings == now) return;
   // If a new World is expensive, applies the change when the slider is released.
   Settings only_launch_shape = now;
   only_launch_shape.run.shape = workspace_.settings.run.shape;
-  constexpr double at_once = 0.05;
+  const bool only_launch = workspace_.settings == only_launch_shape;
   const bool cheap =
-      workspace_.settings == only_launch_shape ||
-      (live_.last_change_seconds() < at_once && workspace_.settings.generator.variant != Variant::settled);
+      only_launch || (!is_slow_to_change() && workspace_.settings.generator.variant != Variant::settled);
   if (workspace_.adjusting && !cheap) return;
+  const auto restore = [this] { workspace_.settings = live_.settings(); };
   try {
     std::optional<RunState> rest;
     const std::optional<Scene> next = live_.scene_after_restart(workspace_.settings);
-    if (next && !finish_presimulation(*next, seconds, rest)) return;
-    const std::string notice =
-        live_.apply(workspace_.settings, rest ? &*rest : nullptr, extends_last_change_);
+    if (next && !finish_presimulation(*next, rest)) return;
+    const auto run = [this, rest, request = workspace_.settings, extends = extends_last_change_] {
+      change_notice_ = live_.apply(request, rest ? &*rest : nullptr, extends);
+    };
+    const auto then = [this] {
+      workspace_.settings = live_.settings();
+      if (!change_notice_.empty()) show_notice(change_notice_);
+      follow_selection();
+    };
     extends_last_change_ = workspace_.adjusting;
-    if (!notice.empty()) show_notice(notice);
-    follow_selection();
+    if (!only_launch && is_slow_to_change())
+      return begin({fmt::format("preparing {} bodies", grouped_number(workspace_.settings.generator.count)),
+                    run, then, restore});
+    run();
+    then();
   } catch (...) {
-    workspace_.settings = live_.settings();
+    restore();
     throw;
   }
-  workspace_.settings = live_.settings();
 }
 
 void App::export_history(bool csv) {
@@ -167,17 +185,14 @@ void App::spawn_projectile() {
   if (!ball) return show_notice("no space for a ball in this direction");
   Change change;
   change.add = {*ball};
-  live_.apply(std::move(change));
-  workspace_.settings = live_.settings();
+  change_world(std::move(change), "adding a body");
 }
 
 void App::remove_selected() {
   if (!workspace_.selection) return;
   Change change;
   change.remove = {*workspace_.selection};
-  live_.apply(std::move(change));
-  workspace_.settings = live_.settings();
-  follow_selection();
+  change_world(std::move(change), "removing a body");
 }
 
 /// Updates the id of the selected body. Clears the selection if the body was removed.

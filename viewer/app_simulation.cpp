@@ -19,7 +19,7 @@ bool App::needs_world() const {
   const bool measured =
       panels.right && (panels.tree || panels.effects || panels.accuracy || panels.hard_cases);
   return !w.playing || requested || measured || w.adjusting_result || w.layers.needs_reference() ||
-         presimulation_ || w.settings != known_settings_;
+         slices_in_progress_ || w.settings != known_settings_;
 }
 
 SimulationThread::Plan App::plan() const {
@@ -41,11 +41,12 @@ SimulationThread::Plan App::plan() const {
 
 /// The part of a frame in which the window has the world: handles requests, publishes the state, and lets the
 /// run continue.
-void App::use_world(double seconds) {
-  with_error_bar([&] { handle_result(); }, true);
+void App::use_world() {
+  handle_result();
   if (cancelled_) return;
+  settling_ = false;
   with_error_bar([&] { follow_settings(); });
-  handle_requests(seconds);
+  handle_requests();
   if (cancelled_) return;
   with_error_bar([&] { tree_.refresh(live_.world(), live_.generation(), workspace_); });
   with_error_bar([&] { follow_panels(); });
@@ -59,6 +60,8 @@ void App::use_world(double seconds) {
 void App::handle_result() {
   const SimulationThread::Result result = simulation_.take_result();
   if (result.steps > 0) reference_.stepped(result.simulated);
+  if (result.steps > 0 && workspace_.layers.needs_reference() && workspace_.step_requests > 0)
+    --workspace_.step_requests;
   if (!result.notice.empty()) show_notice(result.notice);
   if (result.stopped || result.reached) {
     workspace_.playing = false;
@@ -66,7 +69,75 @@ void App::handle_result() {
   }
   if (result.stopped)
     if (const auto& stop = breaks_.stop(live_); stop && stop->body) workspace_.selection = stop->body;
-  if (result.error) std::rethrow_exception(result.error);
+  if (cancel_requested_ && options_.run.cancellation) options_.run.cancellation->clear();
+  end_work(result);
+  slices_in_progress_ = cancel_requested_ = false;
+}
+
+/// Ends the work in progress. Any error ends all requested changes.
+void App::end_work(const SimulationThread::Result& result) {
+  const bool ended = std::exchange(work_in_progress_, false);
+  Work work;
+  if (ended) {
+    work = std::move(works_.front());
+    works_.pop_front();
+    workspace_.notice.clear();
+  }
+  if (!result.error) {
+    if (ended) with_error_bar([&] { work.then(); });
+    if (!cancel_requested_ || !settling_) return;
+    show_notice("settling cancelled");
+  }
+  if (ended && work.failed) with_error_bar([&] { work.failed(); });
+  presimulation_.reset();
+  workspace_.settings = live_.settings();
+  workspace_.restart_requested = false;
+  if (!result.error) return;
+  try {
+    std::rethrow_exception(result.error);
+  } catch (const Cancelled&) {
+    if (cancel_requested_)
+      show_notice(ended ? "cancelled: " + work.what : "settling cancelled");
+    else
+      cancelled_ = true;
+  } catch (...) {
+    with_error_bar([&] { std::rethrow_exception(result.error); }, !ended);
+  }
+}
+
+/// Whether a change of the world may take so long that the window must not wait for it.
+bool App::is_slow_to_change() const {
+  constexpr std::int64_t many = 20'000;
+  constexpr double at_once = 0.05;  // s
+  return live_.last_change_seconds() >= at_once ||
+         std::max<std::int64_t>(std::ssize(live_.world().initial().radius),
+                                workspace_.settings.generator.count) > many;
+}
+
+void App::change_world(Change change, const std::string& what) {
+  const auto run = [this, change] { live_.apply(change); };
+  const auto then = [this] {
+    workspace_.settings = live_.settings();
+    follow_selection();
+  };
+  if (is_slow_to_change()) return begin({what, run, then, {}});
+  run();
+  then();
+}
+
+/// Shows what takes long.
+void App::show_progress() {
+  constexpr std::chrono::milliseconds patience(300);
+  if (!work_in_progress_ || Clock::now() - work_since_ < patience) return;
+  const bool on_gpu = next_ && next_->scene && next_->scene->info.on_gpu;
+  show_notice(works_.front().what + (on_gpu ? " ..." : " ...; Esc: cancel"));
+}
+
+/// On a GPU, work is not interrupted: it could not be continued afterwards.
+void App::cancel_work() {
+  cancel_requested_ = true;
+  const bool on_gpu = next_ && next_->scene && next_->scene->info.on_gpu;
+  if (options_.run.cancellation && !on_gpu) options_.run.cancellation->request();
 }
 
 /// A script or an earlier change can change the settings during a step. They replace the requested settings,
@@ -92,20 +163,45 @@ void App::publish() {
 }
 
 void App::continue_run() {
+  if (!works_.empty()) {
+    has_world_ = false;
+    work_in_progress_ = true;
+    work_since_ = Clock::now();
+    return simulation_.start(plan(), 0, [this] {
+      works_.front().run();
+      return false;
+    });
+  }
   const bool requested = workspace_.step_requests > 0;
-  if (!requested && !workspace_.playing) return;
-  if (is_blocked_by_stop()) return;
   // While such a slider is held the run waits: all its values act at one state and are recorded as one
   // change.
-  if (workspace_.adjusting_result && !requested) return;
-  constexpr double slice = 12;  // ms per frame
-  const bool waits = workspace_.layers.needs_reference();
-  if (waits && !reference_.advance_to_next_step(live_.world().scene().physics.time_step, slice)) return;
-  if (requested) --workspace_.step_requests;
-  has_world_ = false;
+  const bool steps = (requested || workspace_.playing) && !is_blocked_by_stop() &&
+                     (!workspace_.adjusting_result || requested);
+  if (!steps && slices_.empty()) return;
   SimulationThread::Plan next = plan();
   next.at_once = requested;
-  simulation_.start(next, requested || waits ? 1 : std::numeric_limits<std::int64_t>::max());
+  const bool with_reference = steps && workspace_.layers.needs_reference();
+  if (steps && requested && !with_reference) --workspace_.step_requests;
+  const double time_step = live_.world().scene().physics.time_step;
+  slices_in_progress_ = !slices_.empty() || with_reference;
+  has_world_ = false;
+  const auto before = [this, steps, with_reference, time_step, slices = std::exchange(slices_, {})] {
+    bool more = true;
+    while (more) {
+      more = false;
+      for (const auto& slice : slices) more |= slice();
+      more = more && !steps && !simulation_.must_pause();
+    }
+    constexpr double slice_ms = 12;
+    bool reached = true;
+    if (with_reference) do
+        reached = reference_.advance_to_next_step(time_step, slice_ms);
+      while (!reached && !simulation_.must_pause());
+    return steps && reached;
+  };
+  simulation_.start(
+      next, (requested && !with_reference) || with_reference ? 1 : std::numeric_limits<std::int64_t>::max(),
+      before);
 }
 
 }  // namespace collidoscope

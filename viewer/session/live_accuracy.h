@@ -29,8 +29,6 @@ class LiveAccuracy {
   /// Results so far, and the recommendation for the requested tolerance. Sets a default tolerance if it is
   /// unset.
   const AccuracyView& view(const World& world, AccuracyRequests& requests);
-  /// The same as at the last call.
-  const AccuracyView& view() const { return view_; }
 
  private:
   void begin(World& world);

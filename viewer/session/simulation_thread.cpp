@@ -7,6 +7,12 @@
 #include "sim_cuda/core/compute_device.h"
 
 namespace collidoscope {
+namespace {
+
+/// Steps that are later than this are dropped.
+constexpr std::chrono::milliseconds tolerance(100);
+
+}  // namespace
 
 SimulationThread::SimulationThread(LiveWorld& live, LiveBreakpoints& breaks, std::function<void()> published)
     : live_(live), breaks_(breaks), published_(std::move(published)), thread_([this] { run(); }) {}
@@ -20,11 +26,12 @@ SimulationThread::~SimulationThread() {
   thread_.join();
 }
 
-void SimulationThread::start(const Plan& plan, std::int64_t steps) {
+void SimulationThread::start(const Plan& plan, std::int64_t steps, std::function<bool()> before) {
   {
     const std::lock_guard lock(mutex_);
     plan_ = plan;
     steps_left_ = steps;
+    before_ = std::move(before);
     if (ready_) spare_ = std::move(ready_);
     pause_ = false;
     running_ = true;
@@ -54,6 +61,11 @@ bool SimulationThread::pause(std::chrono::milliseconds wait) {
 bool SimulationThread::paused() const {
   const std::lock_guard lock(mutex_);
   return !running_;
+}
+
+bool SimulationThread::must_pause() const {
+  const std::lock_guard lock(mutex_);
+  return pause_ || quit_;
 }
 
 SimulationThread::Result SimulationThread::take_result() {
@@ -118,7 +130,6 @@ bool SimulationThread::wait_until_due(std::unique_lock<std::mutex>& lock) {
 void SimulationThread::schedule(const Plan& plan, double time_step) {
   if (plan.at_once || plan.speed == 0) return;
   using std::chrono::duration;
-  constexpr duration<double> tolerance(0.1);  // steps that are later are dropped
   const Clock::time_point now = Clock::now();
   due_ += std::chrono::duration_cast<Clock::duration>(duration<double>(time_step / plan.speed));
   const bool late = now - due_ > tolerance;
@@ -159,8 +170,14 @@ void SimulationThread::publish(const PublishRequest& request) {
 }
 
 void SimulationThread::work() {
-  // After a pause, the first step is made at once.
-  due_ = std::min(due_, Clock::now());
+  if (before_ && !before_()) return;
+  // After a short pause, the pace is kept. After a longer one, the first step is made at once.
+  const Clock::time_point now = Clock::now();
+  if (now - paused_at_ > tolerance) due_ = now;
+  struct NotePause {
+    Clock::time_point& paused_at;
+    ~NotePause() { paused_at = Clock::now(); }
+  } note_pause{paused_at_};
   int device = -1;
   for (;;) {
     Plan plan;

@@ -53,12 +53,16 @@ class SimulationThread {
 
   /// Makes steps from now on, at most `steps`. Older published states can no longer be taken. Precondition:
   /// paused().
-  void start(const Plan& plan, std::int64_t steps = std::numeric_limits<std::int64_t>::max());
+  /// `before`: other work, done on the thread before the steps. If it returns false, no steps are made.
+  void start(const Plan& plan, std::int64_t steps = std::numeric_limits<std::int64_t>::max(),
+             std::function<bool()> before = nullptr);
   /// Changes the plan of the running thread.
   void update(const Plan& plan);
   /// Asks the thread to pause after the present step, and waits at most this long. Returns paused().
   bool pause(std::chrono::milliseconds wait);
   bool paused() const;
+  /// Whether the thread is asked to pause. For long work in `before`.
+  bool must_pause() const;
   /// The result since the last call. Precondition: paused().
   Result take_result();
   /// Exchanges `state` for the newest published state, if it was not taken yet. Any thread.
@@ -86,6 +90,7 @@ class SimulationThread {
   bool running_ = false, pause_ = false, quit_ = false;
   Plan plan_;
   std::int64_t steps_left_ = 0;
+  std::function<bool()> before_;
   Result result_;
   double simulated_ = 0;
   bool behind_ = false;
@@ -93,7 +98,7 @@ class SimulationThread {
   std::unique_ptr<PublishedState> spare_;  ///< its memory is used again
 
   // Used by the thread only.
-  Clock::time_point due_;  ///< time of the next step
+  Clock::time_point due_, paused_at_;  ///< time of the next step; end of the last work()
   std::unique_ptr<PublishedState> next_;
   PublishRequest published_request_;  ///< of the last publication
   Clock::time_point published_at_;
