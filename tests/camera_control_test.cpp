@@ -1,7 +1,7 @@
 // Tests the camera's mouse operations against geometry: zoom, pan, orbit, axis views and the outline of a
 // sphere.
 
-#include "viewer/camera_control.h"
+#include "viewer/view/camera_control.h"
 
 #include <gtest/gtest.h>
 

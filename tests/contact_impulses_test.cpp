@@ -192,7 +192,7 @@ TEST_P(Impulses, ArePublishedWithTheContactsOfTheState) {
   FrameLayers layers;
   layers.contacts = true;
   PublishedRecords records;
-  records.pack(world, layers);
+  world.publisher().copy(layers, records);
   const auto drawn = records.copy<ContactInstance>();
   int old = 0, fresh = 0;
   for (const ContactInstance& contact : drawn) {

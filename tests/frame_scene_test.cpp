@@ -7,7 +7,7 @@
 
 #include "tests/executors.h"
 #include "tests/gl_fixture.h"
-#include "viewer/scene_view.h"
+#include "viewer/view/scene_view.h"
 
 namespace collidoscope {
 namespace {

@@ -678,7 +678,7 @@ TEST_P(Jointed, AreDrawnWhereTheyAre) {
   World world(scene, options());
   ASSERT_EQ(world.publisher().counts(0, -1).joints, 3);
   PublishedRecords records;
-  records.pack(world, FrameLayers{});
+  world.publisher().copy(FrameLayers{}, records);
   const auto drawn = records.copy<JointInstance>();
   ASSERT_EQ(drawn.size(), 3u);
   // The spring is solved by iteration. Joints of trees follow.

@@ -232,7 +232,7 @@ TEST_P(OneAnswerOfASolver, DetectingMeasuringAndPublishingChangeNothing) {
     FrameLayers layers;
     layers.spheres = layers.boxes = layers.contacts = true;
     layers.color = BodyColor::contacts;
-    records.pack(watched, layers);
+    watched.publisher().copy(layers, records);
   }
   EXPECT_EQ(watched.state_hash(), plain.state_hash());
 }

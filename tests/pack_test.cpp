@@ -33,7 +33,7 @@ class PackedTree : public OnEachExecutor {
     layers.last_level = last;
     layers.box_color = metric;
     PublishedRecords records;
-    records.pack(world, layers);
+    world.publisher().copy(layers, records);
     return records.copy<BoxInstance>();
   }
   static std::vector<BodyInstance> bodies(World& world, BodyColor color) {
@@ -41,7 +41,7 @@ class PackedTree : public OnEachExecutor {
     layers.spheres = true;
     layers.color = color;
     PublishedRecords records;
-    records.pack(world, layers);
+    world.publisher().copy(layers, records);
     return records.copy<BodyInstance>();
   }
 };

@@ -1,6 +1,6 @@
 // Tests the simulation thread: the states that it reaches and publishes, and how it starts, pauses and stops.
 
-#include "viewer/session/simulation_thread.h"
+#include "viewer/view/simulation_thread.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -98,7 +98,7 @@ TEST_P(SimulationThreads, PublishesWholeStates) {
     ASSERT_GT(state->key.step, before) << "no state is published twice";
     before = state->key.step;
     plain.step(static_cast<int>(before - plain.steps()));
-    expected.pack(plain, plan.request.layers);
+    plain.publisher().copy(plan.request.layers, expected);
     const auto bodies = state->records.copy<BodyInstance>(), same = expected.copy<BodyInstance>();
     ASSERT_EQ(bodies.size(), 300u);
     EXPECT_EQ(std::memcmp(bodies.data(), same.data(), bodies.size() * sizeof bodies[0]), 0);

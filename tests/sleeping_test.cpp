@@ -287,7 +287,7 @@ TEST_P(Sleepers, AreCountedAndDrawn) {
     layers.spheres = true;
     layers.color = BodyColor::sleep;
     PublishedRecords records;
-    records.pack(world, layers);
+    world.publisher().copy(layers, records);
     std::vector<float> value;
     for (const BodyInstance& body : records.copy<BodyInstance>()) value.push_back(body.value);
     return value;

@@ -1,5 +1,5 @@
 // Tests the resolution scale of the 3D view with simulated renderers: time budget, limits and stability.
-#include "viewer/view_scale.h"
+#include "viewer/view/view_scale.h"
 
 #include <gtest/gtest.h>
 

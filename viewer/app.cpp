@@ -16,6 +16,7 @@
 #include "viewer/render/gl/errors.h"
 #include "viewer/session/fill_view.h"
 #include "viewer/session/settings_file.h"
+#include "viewer/view/drawing_pause.h"
 
 namespace collidoscope {
 namespace {
@@ -125,12 +126,10 @@ void App::wait_for_events() {
   bool busy = !window_.events().empty() || !buttons_.empty() || frame_ == 0;
   busy |= workspace_.step_requests > 0 && !work_in_progress_;
   window_.poll(busy || scene_.is_drawing() ? 0 : automation_ ? 0.01 : 0.05);
-  // A software renderer uses the cores of the simulation. If the run is too slow, it draws at most half of
-  // the time, but answers input at once.
   if (!software_ || busy || !(simulation_.behind() || slices_in_progress_)) return;
   const Clock::time_point until =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                         std::chrono::duration<double>(std::min(frame_seconds_, 0.07)));
+                         std::chrono::duration<double>(drawing_pause(frame_seconds_, has_news_)));
   for (Clock::time_point now; window_.events().empty() && !window_.closing() && (now = Clock::now()) < until;)
     window_.poll(std::max(std::chrono::duration<double>(until - now).count(), 1e-3));
 }
@@ -174,7 +173,11 @@ void App::frame(double seconds) {
   if (has_world_) {
     use_world();
   } else {
-    if (!scene_.is_drawing() && simulation_.take(next_)) follow_next();
+    has_news_ = scene_.is_drawing();
+    if (!has_news_ && simulation_.take(next_)) {
+      has_news_ = true;
+      follow_next();
+    }
     simulation_.update(plan());
   }
   if (cancelled_) return;

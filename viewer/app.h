@@ -15,7 +15,6 @@
 #include "viewer/gui_input.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/window_frame.h"
-#include "viewer/scene_view.h"
 #include "viewer/session/automation.h"
 #include "viewer/session/effect_costs.h"
 #include "viewer/session/live_accuracy.h"
@@ -23,8 +22,9 @@
 #include "viewer/session/live_reference.h"
 #include "viewer/session/live_stability.h"
 #include "viewer/session/live_world.h"
-#include "viewer/session/simulation_thread.h"
 #include "viewer/session/tree_inspector.h"
+#include "viewer/view/scene_view.h"
+#include "viewer/view/simulation_thread.h"
 #include "viewer/window.h"
 
 namespace collidoscope {
@@ -161,6 +161,7 @@ class App {
   bool software_ = false, cancelled_ = false;
 
   std::int64_t frame_ = 0;
+  bool has_news_ = true;              ///< the last frame showed a new state, or a part of one
   bool extends_last_change_ = false;  ///< the last change came from a slider that is still held
   Clock::time_point notice_since_;
   struct Moment {

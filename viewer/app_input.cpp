@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "viewer/app.h"
-#include "viewer/camera_control.h"
+#include "viewer/view/camera_control.h"
 
 namespace collidoscope {
 

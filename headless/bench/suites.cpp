@@ -5,6 +5,7 @@
 #include "headless/bench/broad_phases.h"
 #include "headless/bench/effects.h"
 #include "headless/bench/frames.h"
+#include "headless/bench/live.h"
 #include "headless/bench/paper.h"
 #include "headless/bench/predictors.h"
 #include "headless/bench/scaling.h"
@@ -28,6 +29,10 @@ constexpr Suite every[] = {
      "--repeats --csv --markdown", bench_effects},
     {"timeline", "time to reach an earlier state of a run of 10,000 steps, and the cost of keyframes",
      "--repeats", bench_timeline},
+    {"live", "step rate of a run in a window, over that of the run alone; frames per second",
+     "--repeats --layers --color --box-color --box-range --size --display-path --quality --supersample "
+     "--sphere-method",
+     bench_live},
     {"frames", "frame time of the viewer: simulate, publish, draw, panels",
      "--frames --layers --color --box-color --box-range --size --display-path --quality --supersample "
      "--sphere-method",

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <new>
 #include <string>
+#include <utility>
 
 #include "sim_cuda/core/cuda_check.h"
 
@@ -45,45 +46,31 @@ void RecordMemory::reserve(std::size_t bytes, int gpu) {
   memory_ = {memory, ReleaseRecordMemory{gpu}};
 }
 
-DrawnCounts drawn_counts(World& world, const FrameLayers& layers) {
-  DrawnCounts drawn;
-  drawn.records = world.publisher().counts(layers.first_level, layers.boxes ? layers.last_level : -1);
-  if (!layers.spheres) drawn.records.bodies = 0;
-  if (!layers.contacts) drawn.records.contacts = 0;
-  if (!layers.joints) drawn.records.joints = 0;
-  if (!layers.boxes) return drawn;
-  const std::vector<std::int64_t> sizes = world.tree().level_sizes();
-  for (int level = layers.first_level; level <= layers.last_level; ++level)
-    if (level < static_cast<int>(sizes.size()))
-      drawn.level_sizes.push_back(sizes[static_cast<std::size_t>(level)]);
-  return drawn;
-}
-
-PublishTarget publish_target(const PublishCounts& counts, const FrameLayers& layers) {
+PublishTarget PublishedRecords::prepare(DrawnCounts counts, const FrameLayers& layers, int gpu) {
+  counts_ = std::move(counts);
+  gpu_ = gpu;
+  const PublishCounts& records = counts_.records;
+  const std::array<std::size_t, 4> bytes = bytes_of(records);
+  std::array<void*, 4> at{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (bytes[k] == 0) continue;
+    memory_[k].reserve(bytes[k], gpu);
+    at[k] = memory_[k].data();
+  }
   PublishTarget target;
-  target.body_capacity = counts.bodies;
+  target.bodies = static_cast<BodyInstance*>(at[0]);
+  target.body_capacity = records.bodies;
   target.body_color = layers.color;
-  target.box_capacity = counts.boxes;
+  target.boxes = static_cast<BoxInstance*>(at[1]);
+  target.box_capacity = records.boxes;
   target.box_metric = layers.box_color;
   target.first_level = layers.first_level;
   target.last_level = layers.last_level;
-  target.contact_capacity = counts.contacts;
-  target.joint_capacity = counts.joints;
+  target.contacts = static_cast<ContactInstance*>(at[2]);
+  target.contact_capacity = records.contacts;
+  target.joints = static_cast<JointInstance*>(at[3]);
+  target.joint_capacity = records.joints;
   return target;
-}
-
-void PublishedRecords::pack(World& world, const FrameLayers& layers) {
-  counts_ = drawn_counts(world, layers);
-  gpu_ = world.info().gpu;
-  PublishTarget target = publish_target(counts_.records, layers);
-  const std::array<std::size_t, 4> bytes = bytes_of(counts_.records);
-  for (std::size_t k = 0; k < 4; ++k)
-    if (bytes[k] > 0) memory_[k].reserve(bytes[k], gpu_);
-  if (bytes[0] > 0) target.bodies = static_cast<BodyInstance*>(memory_[0].data());
-  if (bytes[1] > 0) target.boxes = static_cast<BoxInstance*>(memory_[1].data());
-  if (bytes[2] > 0) target.contacts = static_cast<ContactInstance*>(memory_[2].data());
-  if (bytes[3] > 0) target.joints = static_cast<JointInstance*>(memory_[3].data());
-  world.publisher().publish(target);
 }
 
 std::array<PublishedRecords::Part, 4> PublishedRecords::parts() const {

@@ -11,7 +11,6 @@
 
 #include "sim_cuda/publish/frame_layers.h"
 #include "sim_cuda/publish/publish.h"
-#include "sim_cuda/world.h"
 
 namespace collidoscope {
 
@@ -37,14 +36,12 @@ struct DrawnCounts {
   PublishCounts records;
   std::vector<std::int64_t> level_sizes;
 };
-DrawnCounts drawn_counts(World& world, const FrameLayers& layers);
-/// The target of publish() for these layers, without memory.
-PublishTarget publish_target(const PublishCounts& counts, const FrameLayers& layers);
 
+/// Filled by Publisher::copy().
 class PublishedRecords {
  public:
-  /// Copies the records of the enabled layers for the current state.
-  void pack(World& world, const FrameLayers& layers);
+  /// Reserves memory, and returns the target for publish(). `gpu`: CUDA device; -1: host.
+  PublishTarget prepare(DrawnCounts counts, const FrameLayers& layers, int gpu);
 
   const DrawnCounts& counts() const { return counts_; }
   /// CUDA device of the memory; -1: host.

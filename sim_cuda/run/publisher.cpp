@@ -53,6 +53,20 @@ void Publisher::publish(const PublishTarget& target) {
   run_.executor.synchronize();
 }
 
+void Publisher::copy(const FrameLayers& layers, PublishedRecords& to) {
+  DrawnCounts drawn;
+  drawn.records = counts(layers.first_level, layers.boxes ? layers.last_level : -1);
+  if (!layers.spheres) drawn.records.bodies = 0;
+  if (!layers.contacts) drawn.records.contacts = 0;
+  if (!layers.joints) drawn.records.joints = 0;
+  if (layers.boxes) {
+    const std::vector<std::int64_t> sizes = run_.tree.level_sizes();
+    for (int level = layers.first_level; level <= layers.last_level && level < std::ssize(sizes); ++level)
+      drawn.level_sizes.push_back(sizes[static_cast<std::size_t>(level)]);
+  }
+  publish(to.prepare(std::move(drawn), layers, run_.executor.gpu()));
+}
+
 void Publisher::set_errors(std::vector<float> errors) { errors_ = std::move(errors); }
 
 }  // namespace collidoscope

@@ -5,7 +5,9 @@
 #include <memory>
 #include <vector>
 
+#include "sim_cuda/publish/frame_layers.h"
 #include "sim_cuda/publish/publish.h"
+#include "sim_cuda/run/published_records.h"
 
 namespace collidoscope {
 
@@ -27,6 +29,8 @@ class Publisher {
   /// Packs the draw records into the target's memory and waits for the device. Throws std::logic_error if a
   /// capacity is below counts().
   void publish(const PublishTarget& target);
+  /// Copies the draw records of the enabled layers at the current state.
+  void copy(const FrameLayers& layers, PublishedRecords& to);
 
   /// Sets the distance of each body from a reference, m, by id, for BodyColor::error. If the size is not N,
   /// all are 0.

@@ -1,5 +1,5 @@
 # cmake -DROOT=<repository> -P include_graph.cmake: checks that all includes follow the layers of the design, and lists the violations.
-# Layers: sim_cuda <- viewer/render, viewer/session <- viewer, headless. ui may include only plain data.
+# Layers: sim_cuda <- viewer/render, viewer/session <- viewer/view <- viewer, headless. ui may include only plain data.
 cmake_minimum_required(VERSION 3.25)
 
 set(plain_data "sim_cuda/core/(error|launch_shape|linear_algebra|stage_launch|stage_times)[.]h" "sim_cuda/scene/(effects|limits|names|run_options|scene|settings|settings_patch)[.]h"
@@ -62,15 +62,16 @@ folder(viewer/render/gl NOT "${windows}" MAY sim_cuda/core)
 folder(viewer/render NOT "${windows}" MAY sim_cuda/* viewer/render/gl)
 folder(viewer/render/interop NOT "${windows}" MAY sim_cuda/* viewer/render viewer/render/gl)
 folder(viewer/session NOT "${drawing}|CLI/" MAY sim_cuda/* ui)
+folder(viewer/view NOT "cuda|${windows}|CLI/" MAY sim_cuda/* ui viewer/render/* viewer/session)
 # The viewer uses these parts of headless/: command line, progress bar, signals, process set-up and exit status.
-folder(viewer NOT "cuda|nlohmann/|CLI/" MAY sim_cuda/* ui viewer/render/* viewer/session headless/cli)
+folder(viewer NOT "cuda|nlohmann/|CLI/" MAY sim_cuda/* ui viewer/render/* viewer/session viewer/view headless/cli)
 
 folder(headless/cli NOT "${drawing}" MAY sim_cuda/* "viewer/render/(draw_options|frame_layers|interop/display_path)[.]h")
 folder(headless/pictures NOT "${windows}|CLI/" MAY sim_cuda/* ui viewer/render/* viewer/session headless/cli)
 folder(headless/reporting NOT "${windows}|CLI/" MAY sim_cuda/* ui headless/cli headless/pictures)
 folder(headless/markdown NOT "${windows}|CLI/" MAY sim_cuda/* headless/cli headless/reporting)
 folder(headless/accuracy NOT "${windows}|CLI/" MAY sim_cuda/* ui headless/cli headless/pictures headless/reporting)
-folder(headless/bench NOT "${windows}|CLI/" MAY sim_cuda/* ui viewer/render/* viewer/session headless/cli headless/pictures headless/reporting)
+folder(headless/bench NOT "${windows}|CLI/" MAY sim_cuda/* ui viewer/render/* viewer/session viewer/view headless/cli headless/pictures headless/reporting)
 folder(headless/stability NOT "${windows}|CLI/" MAY sim_cuda/* headless/cli headless/reporting)
 folder(headless NOT "${windows}|CLI/" MAY sim_cuda/* ui viewer/render/* viewer/session headless/*)
 

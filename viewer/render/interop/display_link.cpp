@@ -36,7 +36,7 @@ void DisplayLink::step_down(const std::string& why, DisplayPath to) {
 }
 
 void DisplayLink::publish(World& world, const FrameLayers& layers, InstanceBuffers& buffers) {
-  records_.pack(world, layers);
+  world.publisher().copy(layers, records_);
   show(records_, buffers);
 }
 

@@ -11,9 +11,9 @@
 #include "viewer/render/interop/display_link.h"
 #include "viewer/render/legend.h"
 #include "viewer/render/renderer.h"
-#include "viewer/session/published_state.h"
 #include "viewer/session/tree_inspector.h"
-#include "viewer/view_scale.h"
+#include "viewer/view/published_state.h"
+#include "viewer/view/view_scale.h"
 
 namespace collidoscope {
 

@@ -1,4 +1,4 @@
-#include "viewer/session/published_state.h"
+#include "viewer/view/published_state.h"
 
 #include <algorithm>
 #include <span>
@@ -28,7 +28,7 @@ void publish_records(LiveWorld& live, const PublishRequest& request, LiveReferen
     wanted.reference = reference->version();
   }
   const StepStats& stats = live.stats();  // measures the state, so that boxes and contacts match the bodies
-  to.records.pack(live.world(), layers);
+  live.world().publisher().copy(layers, to.records);
   to.range = value_range(live.world(), to.scene->frame, layers, stats);
   to.view.body_colors = layers.spheres ? body_legend(layers.color, to.range, stats) : Legend{};
   to.view.box_colors = layers.boxes ? box_legend(layers.box_color, to.range) : Legend{};

@@ -1,4 +1,4 @@
-#include "viewer/view_scale.h"
+#include "viewer/view/view_scale.h"
 
 #include <algorithm>
 #include <cmath>

@@ -19,7 +19,7 @@
 #include "sim_cuda/run/break_conditions.h"
 #include "viewer/session/live_breakpoints.h"
 #include "viewer/session/live_world.h"
-#include "viewer/session/published_state.h"
+#include "viewer/view/published_state.h"
 
 namespace collidoscope {
 

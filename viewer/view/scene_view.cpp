@@ -1,12 +1,12 @@
-#include "viewer/scene_view.h"
+#include "viewer/view/scene_view.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "viewer/camera_control.h"
 #include "viewer/render/gl/errors.h"
 #include "viewer/session/tree_marks.h"
+#include "viewer/view/camera_control.h"
 
 namespace collidoscope {
 namespace {

@@ -1,4 +1,4 @@
-#include "viewer/session/simulation_thread.h"
+#include "viewer/view/simulation_thread.h"
 
 #include <algorithm>
 #include <utility>
@@ -107,7 +107,7 @@ void SimulationThread::run() {
     }
     lock.lock();
     if (error) result_.error = error;
-    running_ = behind_ = false;
+    running_ = false;
     changed_.notify_all();
     if (published_) published_();
   }

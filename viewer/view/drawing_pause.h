@@ -1,0 +1,14 @@
+#pragma once
+// Time that a software renderer leaves to the simulation, since both use the same cores.
+
+#include <algorithm>
+
+namespace collidoscope {
+
+/// Seconds to wait after a frame that took `frame_seconds`, if the simulation is slower than requested.
+/// `news`: the frame showed a new state or a part of one. Gives about ten frames per second.
+inline double drawing_pause(double frame_seconds, bool news) {
+  return news ? std::min(frame_seconds, 0.06) : 0.08;
+}
+
+}  // namespace collidoscope
