@@ -39,15 +39,35 @@ TEST(Reduce, AChunkIsThePairwiseTree) {
   }
 }
 
-TEST(Reduce, ChunksCoverAllItemsOnce) {
-  std::vector<double> ones(1000, 1.0);
-  std::vector<Sum> sums(4);
-  for (int chunk = 0; chunk < 4; ++chunk)
-    ReduceChunk<Sum, LoadValue>{{ones.data()}, 1000, sums.data()}(chunk);
-  EXPECT_EQ(sums[0].value + sums[1].value + sums[2].value, 768.0);
-  EXPECT_EQ(sums[3].value, 232.0);
+/// The levels of reduce(), on the host.
+double reduced(const std::vector<double>& values) {
+  const auto count = static_cast<std::int64_t>(values.size());
+  std::int64_t chunks = (count + reduce_chunk - 1) / reduce_chunk;
+  std::vector<Sum> sums(static_cast<std::size_t>(chunks));
+  for (int chunk = 0; chunk < chunks; ++chunk)
+    ReduceChunk<Sum, LoadValue>{{values.data()}, count, sums.data()}(chunk);
+  while (chunks > 1) {
+    const std::int64_t next = (chunks + reduce_chunk - 1) / reduce_chunk;
+    std::vector<Sum> above(static_cast<std::size_t>(next));
+    for (int chunk = 0; chunk < next; ++chunk)
+      ReduceChunk<Sum, LoadSum<Sum>>{{sums.data()}, chunks, above.data()}(chunk);
+    sums = std::move(above);
+    chunks = next;
+  }
+  return sums[0].value;
+}
+
+TEST(Reduce, AllLevelsAreOneTreeOfEveryItem) {
+  std::mt19937_64 random(6);
+  std::uniform_real_distribution<double> spread(-1, 1);
+  for (const std::int64_t count : {1, 2, 31, 32, 33, 63, 64, 65, 1000, 1023, 1024, 1025, 4097, 33'000}) {
+    std::vector<double> values(static_cast<std::size_t>(count));
+    for (double& v : values) v = spread(random);
+    EXPECT_EQ(reduced(values), tree(values.data(), count)) << count;
+    EXPECT_EQ(reduced(std::vector<double>(static_cast<std::size_t>(count), 1)), static_cast<double>(count));
+  }
   EXPECT_EQ(reduce_scratch_size(1), 1u);
-  EXPECT_EQ(reduce_scratch_size(257), 1u + 2u + 1u);
+  EXPECT_EQ(reduce_scratch_size(1025), 1u + 33u + 2u + 1u);
 }
 
 }  // namespace

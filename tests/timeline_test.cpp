@@ -119,6 +119,76 @@ TEST_P(Timelines, AChangeInAnEarlierStateStartsABranch) {
   EXPECT_EQ(live.timeline().last(), 0);
 }
 
+TEST_P(Timelines, TheRunBeforeABranchIsKept) {
+  LiveWorld live(tumbling_scene(), options());
+  std::vector<std::uint64_t> first{live.state_hash()};
+  for (int step = 1; step <= 60; ++step) {
+    if (step == 51) live.apply(restitution_of(0.1));
+    live.step(true);
+    first.push_back(live.state_hash());
+  }
+  EXPECT_FALSE(live.other_run());
+  live.go_to(30);
+  live.apply(restitution_of(0.9));
+  for (int step = 31; step <= 40; ++step) live.step(true);
+  const std::uint64_t branch = live.state_hash();
+  EXPECT_NE(branch, first[40]);
+  ASSERT_TRUE(live.other_run());
+  EXPECT_EQ(live.other_run()->fork, 30);
+  EXPECT_EQ(live.other_run()->last, 60);
+  ASSERT_EQ(live.marks().size(), 1u);
+  EXPECT_EQ(live.marks()[0].text, "state 30: restitution");
+
+  live.open_other_run();
+  EXPECT_EQ(live.state_hash(), first[40]) << "the same state number";
+  EXPECT_EQ(live.timeline().last(), 60);
+  EXPECT_EQ(live.history().size(), 60u);
+  ASSERT_EQ(live.changes().size(), 1u);
+  EXPECT_EQ(live.changes()[0].step, 50);
+  EXPECT_EQ(live.other_run()->last, 40);
+  for (const std::int64_t step : {0, 29, 30, 31, 50, 51, 60}) {
+    live.go_to(step);
+    EXPECT_EQ(live.state_hash(), first[static_cast<std::size_t>(step)]) << step;
+  }
+  live.step(true);
+  EXPECT_EQ(live.timeline().last(), 61) << "it goes on";
+
+  live.open_other_run();
+  EXPECT_EQ(live.world().steps(), 40) << "the last state that it has";
+  EXPECT_EQ(live.state_hash(), branch);
+  EXPECT_EQ(live.other_run()->last, 61);
+  // A replay of its changes reaches the same state.
+  Scene scene = tumbling_scene();
+  LiveWorld again(scene, options());
+  for (int step = 1; step <= 30; ++step) again.step(false);
+  again.apply(live.changes().at(0));
+  for (int step = 31; step <= 40; ++step) again.step(false);
+  EXPECT_EQ(again.state_hash(), branch);
+  live.restart();
+  EXPECT_FALSE(live.other_run());
+}
+
+TEST_P(Timelines, GoBackThroughEveryState) {
+  LiveWorld live(tumbling_scene(), options());
+  std::vector<std::uint64_t> full{full_hash(live.world().state())};
+  constexpr std::int64_t last = 130;
+  for (std::int64_t step = 1; step <= last; ++step) {
+    live.step(false);
+    if (step == 70) live.apply(restitution_of(0.9));
+    full.push_back(full_hash(live.world().state()));
+  }
+  for (const std::int64_t stride : {1, 3}) {
+    for (std::int64_t step = last; step >= 0; step -= stride) {
+      live.go_to(step);
+      ASSERT_EQ(full_hash(live.world().state()), full[static_cast<std::size_t>(step)]) << step;
+      if (step == 40) {  // on from here, with states that were kept on the way
+        live.step(false);
+        EXPECT_EQ(full_hash(live.world().state()), full[41]);
+      }
+    }
+  }
+}
+
 TEST_P(Timelines, KeepWithinTheirBudget) {
   World world(tumbling_scene(), options());
   Timeline timeline(400'000);

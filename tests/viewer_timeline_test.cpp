@@ -75,5 +75,88 @@ TEST_F(ViewerTimeline, GoesBackAndForthByHand) {
   EXPECT_EQ(close(window), "");
 }
 
+TEST_F(ViewerTimeline, ScrubsBranchesAndReturnsToTheOtherRun) {
+  WindowDriver window({"box_collider", "--bodies", "300", "--steps", "100", "--size", "1280x800",
+                       "--executor", "cpu", "--break", "speed=1000", "--reset-ui"});
+  const auto at = [&](std::int64_t state) {
+    return window.wait_for([&](const Json& f) {
+      return f["step"] == state && f["playing"] == false && f["state_hash"].is_string();
+    });
+  };
+  ASSERT_TRUE(at(100));
+  const std::string last_hash = window.frame()["state_hash"];
+  const auto on_strip = [&](double share) {
+    const Json strip = window.frame()["widgets"]["timeline.strip"];
+    return std::pair(static_cast<int>(strip[0].get<double>() + share * strip[2].get<double>()),
+                     static_cast<int>(strip[1].get<double>() + 0.6 * strip[3].get<double>()));
+  };
+  // A drag on the strip goes through states.
+  const auto [x0, y0] = on_strip(0.9);
+  const auto [x1, y1] = on_strip(0.4);
+  window.drag(x0, y0, x1, y1);
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] > 35 && f["step"] < 45; }));
+  window.move(640, 12);
+  window.next_frame();
+  const std::int64_t fork = window.frame()["step"];
+  ASSERT_TRUE(at(fork));
+  EXPECT_EQ(window.frame()["state_hash"], expected_hash(fork, 300));
+
+  // A click on a graph goes to the state below the pointer.
+  const Json graph = window.frame()["widgets"]["graph.energy"];
+  window.click_at(static_cast<int>(graph[0].get<double>() + 0.75 * graph[2].get<double>()),
+                  static_cast<int>(graph[1].get<double>() + 0.5 * graph[3].get<double>()));
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] > 65 && f["step"] < 85; }));
+  window.next_frame();
+  const std::int64_t clicked = window.frame()["step"];
+  ASSERT_TRUE(at(clicked));
+  EXPECT_EQ(window.frame()["state_hash"], expected_hash(clicked, 300));
+
+  // Backwards to the start.
+  window.move(640, 12);
+  window.click("run.backwards");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["backwards"] == true; }));
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] < clicked - 5; }));
+  window.key("shift+space");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["backwards"] == false; }));
+  window.next_frame();
+  const std::int64_t back = window.frame()["step"];
+  ASSERT_TRUE(at(back));
+  EXPECT_EQ(window.frame()["state_hash"], expected_hash(back, 300));
+  window.key("shift+space");
+  ASSERT_TRUE(at(0)) << "it stops at the first state";
+  EXPECT_EQ(window.frame()["state_hash"], expected_hash(0, 300));
+
+  // A change in an earlier state starts a branch; the run until then is kept.
+  const auto [x2, y2] = on_strip(0.5);
+  window.click_at(x2, y2);
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] > 45 && f["step"] < 55; }));
+  window.move(640, 12);
+  window.next_frame();
+  const std::int64_t branch = window.frame()["step"];
+  EXPECT_EQ(window.frame()["other_run"], Json(nullptr));
+  window.type_into("settings.restitution", "0.1");
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["other_run"] == Json({branch, 100}); }));
+  EXPECT_EQ(window.frame()["marks"],
+            Json({Json({branch, "state " + std::to_string(branch) + ": restitution"})}));
+  window.key("s");
+  ASSERT_TRUE(at(branch + 1));
+  const std::string branched = window.frame()["state_hash"];
+  EXPECT_NE(branched, expected_hash(branch + 1, 300));
+  window.click("timeline.other");
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["other_run"] == Json({branch, branch + 1}); }));
+  EXPECT_EQ(window.frame()["timeline"], Json({0, 100}));
+  ASSERT_TRUE(at(branch + 1));
+  EXPECT_EQ(window.frame()["state_hash"], expected_hash(branch + 1, 300));
+  EXPECT_DOUBLE_EQ(window.frame()["restitution"].get<double>(), 0.8);
+  const Image other = picture(window);
+  EXPECT_GT(other.width, 0);
+  window.click("timeline.other");
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["timeline"] == Json({0, branch + 1}); }));
+  ASSERT_TRUE(at(branch + 1));
+  EXPECT_EQ(window.frame()["state_hash"], branched);
+  EXPECT_EQ(window.frame()["error"], Json(nullptr));
+  EXPECT_EQ(close(window), "");
+}
+
 }  // namespace
 }  // namespace collidoscope

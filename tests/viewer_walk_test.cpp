@@ -21,6 +21,8 @@ std::vector<std::string> named_widgets() {
   std::vector<std::string> names{"scene",
                                  "run.back",
                                  "run.timeline",
+                                 "run.backwards",
+                                 "timeline.strip",
                                  "run.forward",
                                  "graph.momentum",
                                  "timing.json",

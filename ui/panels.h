@@ -27,6 +27,9 @@ void draw_tree_panel(Workspace& workspace,
 void draw_inspector_panel(Workspace& workspace, const WorkspaceView& view);  ///< the selected body
 void draw_graphs_panel(Workspace& workspace,
                        const WorkspaceView& view);  ///< plots over time, in the bottom strip
+void draw_timeline_strip(Workspace& workspace,
+                         const WorkspaceView& view);  ///< the whole run, over the graphs
+float timeline_strip_height(float font_size);
 void draw_status_line(Workspace& workspace, const WorkspaceView& view);
 void draw_stop_bar(Workspace& workspace,
                    const WorkspaceView& view);  ///< stop line, in its own window over the 3D view

@@ -12,7 +12,7 @@ namespace {
 struct Area {
   ImVec2 at;
   float width, height;
-  bool hovered;
+  bool hovered, pressed;
   ImDrawList* list;
 };
 
@@ -21,7 +21,7 @@ Area begin(const char* id, float width, float height) {
   ImGui::InvisibleButton(id, {std::max(width, 1.0f), std::max(height, 1.0f)});
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->AddRectFilled(at, {at.x + width, at.y + height}, ImGui::GetColorU32(ImGuiCol_FrameBg, 0.55f), 3);
-  return {at, width, height, ImGui::IsItemHovered(), list};
+  return {at, width, height, ImGui::IsItemHovered(), ImGui::IsItemActive(), list};
 }
 
 // Rounds up to a value with one significant digit, or 1.5 times a power of ten.
@@ -44,8 +44,8 @@ void tooltip_line(const std::string& name, ImU32 color, const std::string& value
 
 }  // namespace
 
-void plot_lines(const char* id, float width, float height, const PlotFrame& frame,
-                const std::vector<PlotLine>& lines) {
+std::optional<std::int64_t> plot_lines(const char* id, float width, float height, const PlotFrame& frame,
+                                       const std::vector<PlotLine>& lines) {
   const Area area = begin(id, width, height);
   const float line_height = ImGui::GetTextLineHeight(), pad = 0.35f * line_height;
   double least = frame.from_zero ? 0 : 1e300, most = frame.from_zero ? 0 : -1e300;
@@ -115,11 +115,19 @@ void plot_lines(const char* id, float width, float height, const PlotFrame& fram
     if (keys_fit) area.list->AddText({key, text_y}, line.color, line.name.c_str());
     key += width_of(line.name) + 0.7f * line_height;
   }
+  const std::int64_t shown = frame.shown_step - frame.first_step;
+  if (shown >= 0 && shown + 1 < static_cast<std::int64_t>(count)) {
+    const float x = x_of(static_cast<std::size_t>(shown));
+    area.list->AddLine({x, top}, {x, bottom}, ImGui::GetColorU32(ImGuiCol_Text),
+                       std::max(1.0f, line_height / 12));
+  }
+  std::optional<std::int64_t> clicked;
   if (area.hovered && count > 0) {
     const float share = (ImGui::GetIO().MousePos.x - area.at.x - pad) / std::max(width - 2 * pad, 1.0f);
     const auto i = static_cast<std::size_t>(
         std::clamp(std::round(share * static_cast<float>(count - 1)), 0.0f, static_cast<float>(count - 1)));
     area.list->AddLine({x_of(i), top}, {x_of(i), bottom}, faint);
+    if (area.pressed) clicked = frame.first_step + static_cast<std::int64_t>(i);
     ImGui::BeginTooltip();
     ImGui::TextUnformatted(fmt::format("state {}", frame.first_step + static_cast<std::int64_t>(i)).c_str());
     for (const PlotLine& line : lines)
@@ -128,6 +136,7 @@ void plot_lines(const char* id, float width, float height, const PlotFrame& fram
     ImGui::EndTooltip();
   }
   area.list->PopClipRect();
+  return clicked;
 }
 
 float stacked_axis(std::vector<float> values) {
@@ -141,7 +150,7 @@ float stacked_axis(std::vector<float> values) {
   return static_cast<float>(round_axis(static_cast<double>(most)));
 }
 
-int plot_stacked(const char* id, float width, float height, const StackedBars& bars) {
+StackedUnder plot_stacked(const char* id, float width, float height, const StackedBars& bars) {
   const Area area = begin(id, width, height);
   const float line_height = ImGui::GetTextLineHeight(), pad = 0.35f * line_height;
   const std::size_t count = bars.parts.size();
@@ -158,7 +167,7 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
   const auto y_of = [&](float v) { return bottom - std::min(v / axis, 1.0f) * (bottom - top); };
   const float bar = (width - 2 * pad) / static_cast<float>(std::max<std::size_t>(count, 1));
   area.list->PushClipRect(area.at, {area.at.x + width, area.at.y + height}, true);
-  int under = -1;
+  StackedUnder result;
   std::size_t hovered_bar = count;
   const ImVec2 mouse = ImGui::GetIO().MousePos;
   if (area.hovered && count > 0)
@@ -182,9 +191,17 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
       if (bars.highlighted >= 0 && static_cast<int>(k) != bars.highlighted)
         color = (color & 0x00ffffffu) | 0x48000000u;
       area.list->AddRectFilled({from, high}, {to, low}, color);
-      if (i == hovered_bar && mouse.y <= low && mouse.y > high) under = static_cast<int>(k);
+      if (i == hovered_bar && mouse.y <= low && mouse.y > high) result.part = static_cast<int>(k);
     }
   }
+  const std::int64_t shown = bars.shown_step - bars.first_step;
+  if (shown >= 0 && shown + 1 < static_cast<std::int64_t>(count)) {
+    const float x = area.at.x + pad + bar * (static_cast<float>(shown) + 0.5f);
+    area.list->AddLine({x, top}, {x, bottom}, ImGui::GetColorU32(ImGuiCol_Text),
+                       std::max(1.0f, line_height / 12));
+  }
+  if (area.pressed && hovered_bar < count)
+    result.click = bars.first_step + static_cast<std::int64_t>(hovered_bar);
   // An arrowhead at the axis marks a value beyond it.
   const ImU32 text_color = ImGui::GetColorU32(ImGuiCol_Text);
   const auto mark_cut = [&](float x, float value) {
@@ -257,7 +274,7 @@ int plot_stacked(const char* id, float width, float height, const StackedBars& b
         tooltip_line(bars.names[k], bars.colors[k], fmt::format("{:.3f} ms", bars.parts[hovered_bar][k]));
     ImGui::EndTooltip();
   }
-  return under;
+  return result;
 }
 
 }  // namespace collidoscope

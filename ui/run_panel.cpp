@@ -43,39 +43,36 @@ void draw_edited(Workspace& workspace, const WorkspaceView& view) {
       "file, to the same hash");
 }
 
-/// A slider over all states of the run, between buttons for the state before and after.
+/// A slider over all states of the run, between buttons for the states before and after.
 void draw_timeline(Workspace& workspace, const WorkspaceView& view) {
-  const auto& [first, last, changes] = *view.timeline;
+  const WorkspaceView::TimelineView& timeline = *view.timeline;
   const std::int64_t now = view.stats.step;
   const auto request = [&](std::int64_t state) {
-    workspace.state_request = std::clamp(state, first, last);
-    workspace.playing = false;
-    workspace.step_requests = 0;
+    workspace.request_state(std::clamp(state, timeline.first, timeline.last));
   };
-  row_label("timeline", "All states of this run. A change in an earlier state drops the later ones");
+  row_label("timeline", "All states of this run. A change in an earlier state begins a branch");
   const float gap = ImGui::GetStyle().ItemInnerSpacing.x, button = ImGui::GetFrameHeight();
-  const float width = ImGui::GetContentRegionAvail().x - 2 * (button + gap);
+  const float width = ImGui::GetContentRegionAvail().x - 3 * (button + gap);
+  if (workspace.backwards)
+    ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+  const bool was_backwards = workspace.backwards;
+  if (ImGui::ArrowButton("##backwards", ImGuiDir_Left)) workspace.play_or_pause_backwards();
+  if (was_backwards) ImGui::PopStyleColor();
+  track(workspace, "run.backwards");
+  explain("Shift+Space: play backwards");
+  ImGui::SameLine(0, gap);
   if (ImGui::Button("<##state", {button, 0})) request(now - 1);
   track(workspace, "run.back");
   explain("Shift+S: the state before");
   ImGui::SameLine(0, gap);
   ImGui::SetNextItemWidth(width);
   std::int64_t state = now;
-  if (ImGui::SliderScalar("##timeline", ImGuiDataType_S64, &state, &first, &last,
-                          fmt::format("%lld of {}", last).c_str(), ImGuiSliderFlags_AlwaysClamp) &&
+  if (ImGui::SliderScalar("##timeline", ImGuiDataType_S64, &state, &timeline.first, &timeline.last,
+                          fmt::format("%lld of {}", timeline.last).c_str(), ImGuiSliderFlags_AlwaysClamp) &&
       state != now)
     request(state);
   track(workspace, "run.timeline");
-  explain("Drag: go to a state of this run. Ticks: changes");
-  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-  const float inset = ImGui::GetStyle().GrabMinSize / 2;
-  for (const std::int64_t change : changes) {
-    const double share =
-        static_cast<double>(change - first) / static_cast<double>(std::max<std::int64_t>(last - first, 1));
-    const float x = low.x + inset + static_cast<float>(share) * (high.x - low.x - 2 * inset);
-    ImGui::GetWindowDrawList()->AddLine({x, low.y}, {x, high.y}, ImGui::GetColorU32(ImGuiCol_PlotHistogram),
-                                        2);
-  }
+  explain("Drag: go to a state of this run");
   ImGui::SameLine(0, gap);
   if (ImGui::Button(">##state", {button, 0})) workspace.request_step();
   track(workspace, "run.forward");

@@ -90,7 +90,9 @@ void draw_help(Workspace& workspace) {
   if (!workspace.help) return;
   static constexpr const char* keys[][2] = {
       {"Space", "play, pause"},
+      {"Shift Space", "play backwards"},
       {"S", "one step"},
+      {"Shift S", "one step back"},
       {"R", "restart"},
       {"drag", "orbit about the target"},
       {"right drag", "pan"},
@@ -101,7 +103,7 @@ void draw_help(Workspace& workspace) {
       {"1  3  7", "front, side, top view"},
       {"5", "toggle perspective"},
       {"click", "select a body, or a box while Tree is open; on nothing: deselect"},
-      {"Escape", "deselect; cancel settling"},
+      {"Escape", "cancel long work; deselect"},
       {"B", "throw a ball from the camera"},
       {"Delete", "delete the selected body"},
       {"C", "panel Convergence"},

@@ -38,9 +38,11 @@ Layout lay_out(const Workspace& workspace, float width, float height, float font
   const float left = workspace.visible_panels.left ? pixels(left_ems) : 0;
   const float right = workspace.visible_panels.right ? pixels(right_ems) : 0;
   const float status = std::round(font_size * 1.9f);
-  const float bottom = workspace.visible_panels.bottom
-                           ? std::round(std::min(std::max(font_size * 13.5f, 0.22f * height), 0.4f * height))
-                           : 0;
+  float bottom = workspace.visible_panels.bottom
+                     ? std::round(std::min(std::max(font_size * 13.5f, 0.22f * height), 0.4f * height))
+                     : 0;
+  if (bottom > 0 && workspace.has_timeline)
+    bottom = std::min(bottom + timeline_strip_height(font_size), std::round(0.5f * height));
   Layout layout;
   const float body = std::max(height - status, 1.0f);
   layout.left = {0, 0, left, body};
@@ -150,7 +152,10 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
       draw_inspector_panel(workspace, view);
     });
   if (visible_panels.bottom)
-    window("graphs", layout.bottom, false, [&] { draw_graphs_panel(workspace, view); });
+    window("graphs", layout.bottom, false, [&] {
+      if (workspace.has_timeline && view.timeline) draw_timeline_strip(workspace, view);
+      draw_graphs_panel(workspace, view);
+    });
   window("status", layout.status, false, [&] { draw_status_line(workspace, view); });
   draw_stop_bar(workspace, view);
   draw_error_bar(workspace);

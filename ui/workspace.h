@@ -16,6 +16,7 @@
 #include "sim_cuda/publish/frame_layers.h"
 #include "sim_cuda/publish/publish.h"
 #include "sim_cuda/run/history.h"
+#include "sim_cuda/run/run_lanes.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
@@ -38,6 +39,13 @@ struct Settings : RunSettings {
   friend bool operator==(const Settings& a, const Settings& b) {
     return equal_settings(a, b) && a.guards == b.guards;
   }
+};
+
+/// A state at which something was changed or found.
+struct TimelineMark {
+  enum class Kind { change, condition, violation } kind;
+  std::int64_t state;
+  std::string text;
 };
 
 /// Requested change of the camera.
@@ -87,11 +95,13 @@ struct Workspace {
   bool levels_chosen = false;  ///< false: boxes start with levels 2 to 4
 
   bool playing = true;
-  double speed = 1;  ///< one of speed_choices
+  bool backwards = false;  ///< goes back from state to state; `playing` is false
+  double speed = 1;        ///< one of speed_choices
   // Requests, cleared by the caller when handled.
   int step_requests = 0;
   bool restart_requested = false, screenshot_requested = false, csv_requested = false, json_requested = false;
   std::optional<std::int64_t> state_request;  ///< go to this state of the run
+  bool other_run_requested = false;           ///< open the run before the last branch
   bool changes_file_requested = false;        ///< write the changes since the start to a file
   bool projectile_requested = false;          ///< add a body, launched from the camera
   bool removal_requested = false;             ///< remove the selected body
@@ -126,12 +136,24 @@ struct Workspace {
 
   /// Requests one step and pauses. A repeated key press adds no step while one is pending.
   void request_step(bool held = false) {
-    playing = false;
+    playing = backwards = false;
     if (!held || step_requests == 0) ++step_requests;
   }
   /// Drops pending steps.
   void play_or_pause() {
-    playing = !playing;
+    playing = !playing && !backwards;
+    backwards = false;
+    step_requests = 0;
+  }
+  void play_or_pause_backwards() {
+    backwards = !backwards;
+    playing = false;
+    step_requests = 0;
+  }
+  /// Requests a state of the run and pauses.
+  void request_state(std::int64_t state) {
+    state_request = state;
+    playing = backwards = false;
     step_requests = 0;
   }
   /// Multiplies the font scale, within its limits.
@@ -145,6 +167,7 @@ struct Workspace {
 
   /// Results of the last draw: area of the 3D view, and the visible enabled widgets by name.
   ScreenRect scene_view;
+  bool has_timeline = false;  ///< there is a strip over the graphs; set by the caller
   std::vector<std::pair<std::string, ScreenRect>> widgets;
   std::string pressed;  ///< topmost widget under the last press of the left button
 };
@@ -178,7 +201,13 @@ struct WorkspaceView {
   /// States of the run that can be reached. Unset: the run has no timeline.
   struct TimelineView {
     std::int64_t first = 0, last = 0;
-    std::vector<std::int64_t> changes;  ///< states at which a change was made
+    std::vector<TimelineMark> marks;
+    RunLanes lanes;
+    /// The run before the last branch: its last common state with this run, and its last state.
+    struct Other {
+      std::int64_t fork, last;
+    };
+    std::optional<Other> other;
   };
   std::optional<TimelineView> timeline;
   double real_time_factor = 0;  ///< simulated seconds per second

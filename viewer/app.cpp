@@ -71,6 +71,7 @@ App::App(const Start& start, const Options& options)
       simulation_(live_, breaks_, [] { Window::wake(); }) {
   cuda_available(&cuda_unavailable_reason_);
   workspace_.settings = known_settings_ = live_.settings();
+  workspace_.has_timeline = true;
   if (!live_.world().initial().meshes.empty()) show_notice("mesh bodies collide as their bounding spheres");
 }
 
@@ -125,7 +126,7 @@ bool App::run(const std::function<bool()>& ended) {
 void App::wait_for_events() {
   bool busy = !window_.events().empty() || !buttons_.empty() || frame_ == 0;
   busy |= workspace_.step_requests > 0 && !work_in_progress_;
-  window_.poll(busy || scene_.is_drawing() ? 0 : automation_ ? 0.01 : 0.05);
+  window_.poll(busy || scene_.is_drawing() ? 0 : automation_ || workspace_.backwards ? 0.01 : 0.05);
   if (!software_ || busy || !(simulation_.behind() || slices_in_progress_)) return;
   const Clock::time_point until =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(

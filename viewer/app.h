@@ -87,6 +87,7 @@ class App {
   bool finish_presimulation(const Scene& scene, std::optional<RunState>& rest);
   void restart();
   void go_to_requested_state();
+  void play_backwards();
   void show_notice(const std::string& notice);
   void export_history(bool csv);
   void export_changes();
@@ -151,7 +152,8 @@ class App {
   std::vector<std::function<bool()>> slices_;
   bool work_in_progress_ = false, slices_in_progress_ = false, settling_ = false, cancel_requested_ = false;
   Clock::time_point work_since_;
-  std::string change_notice_;  ///< of the last change of settings
+  Clock::time_point went_back_;  ///< time of the last step backwards
+  std::string change_notice_;    ///< of the last change of settings
   EffectCosts costs_;
   int costs_generation_ = -1;   ///< generation of the World that costs_ was measured on
   bool keeps_settings_ = true;  ///< write the settings file at exit; set with workspace_

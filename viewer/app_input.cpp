@@ -53,13 +53,16 @@ void App::handle_key(const InputEvent& event) {
   workspace_.hint = false;
   switch (event.code) {
     case GLFW_KEY_SPACE:
-      if (!again) workspace_.play_or_pause();
+      if (again) break;
+      if (event.modifiers & GLFW_MOD_SHIFT)
+        workspace_.play_or_pause_backwards();
+      else
+        workspace_.play_or_pause();
       break;
     case GLFW_KEY_S:
       if (flying || (event.modifiers & GLFW_MOD_CONTROL)) break;
       if (event.modifiers & GLFW_MOD_SHIFT) {
-        workspace_.state_request = run_.stats.step - 1;
-        workspace_.playing = false;
+        workspace_.request_state(run_.stats.step - 1);
       } else {
         workspace_.request_step(again);
       }

@@ -31,8 +31,14 @@ void App::handle_requests() {
   if (std::exchange(workspace_.changes_file_requested, false)) with_error_bar([&] { export_changes(); });
   if (std::exchange(workspace_.projectile_requested, false)) with_error_bar([&] { spawn_projectile(); });
   if (std::exchange(workspace_.removal_requested, false)) with_error_bar([&] { remove_selected(); });
+  with_error_bar([&] { play_backwards(); });
   with_error_bar([&] { go_to_requested_state(); });
   const bool pending = workspace_.settings != live_.settings();
+  if (std::exchange(workspace_.other_run_requested, false) && live_.other_run())
+    begin({"opening the other run",
+           [this] { live_.open_other_run(); },
+           [this] { workspace_.settings = live_.settings(); },
+           {}});
   if (workspace_.restart_requested && !pending) with_error_bar([&] { restart(); });
   if (!workspace_.restart_requested && !pending) presimulation_.reset();
   if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
@@ -54,6 +60,27 @@ void App::go_to_requested_state() {
          [this, state] { live_.go_to(*state); },
          [this] { workspace_.settings = live_.settings(); },
          {}});
+}
+
+/// Requests the state that the requested speed calls for.
+void App::play_backwards() {
+  if (!workspace_.backwards) {
+    went_back_ = Clock::now();
+    return;
+  }
+  const std::int64_t now = live_.world().steps();
+  if (now == live_.timeline().first()) {
+    workspace_.backwards = false;
+    return;
+  }
+  const double dt = live_.world().scene().physics.time_step;
+  const double seconds = std::chrono::duration<double>(Clock::now() - went_back_).count();
+  const double steps = workspace_.speed > 0 ? seconds * workspace_.speed / dt : 1;
+  if (steps < 1) return;
+  went_back_ = Clock::now();
+  constexpr double most = 10;  // a slow machine does not skip more states
+  workspace_.state_request =
+      std::max(now - static_cast<std::int64_t>(std::min(steps, most)), live_.timeline().first());
 }
 
 void App::measure_effects() {

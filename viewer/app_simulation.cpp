@@ -14,8 +14,9 @@ bool App::needs_world() const {
   const bool requested =
       w.restart_requested || w.csv_requested || w.json_requested || w.changes_file_requested ||
       w.projectile_requested || w.removal_requested || w.state_request || w.step_requests > 0 ||
-      w.reference_requested || w.tree.node || w.tree.rank || w.camera_request == CameraRequest::frame_all ||
-      w.camera_request == CameraRequest::frame_selection || w.breaks.stop != StopRequest::none;
+      w.other_run_requested || w.reference_requested || w.tree.node || w.tree.rank ||
+      w.camera_request == CameraRequest::frame_all || w.camera_request == CameraRequest::frame_selection ||
+      w.breaks.stop != StopRequest::none;
   const bool measured =
       panels.right && (panels.tree || panels.effects || panels.accuracy || panels.hard_cases);
   return !w.playing || requested || measured || w.adjusting_result || w.layers.needs_reference() ||

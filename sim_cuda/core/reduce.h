@@ -1,7 +1,8 @@
 #pragma once
-// Reduction in a fixed order: pairwise within chunks of 256 items, then again over the chunk sums until one
-// is left. The tree depends on the number of items only, so CPU and GPU give identical bits for any (B, T).
-// Pairwise summation limits the error to O(log n) roundings (Higham 1993).
+// Reduction in a fixed order: pairwise within chunks of 32 items, then again over the chunk sums until one is
+// left. The tree depends on the number of items only, so CPU and GPU give identical bits for any (B, T). It
+// is the same for chunks of any power of two; small chunks give a GPU more threads. Pairwise summation limits
+// the error to O(log n) roundings (Higham 1993).
 
 #include <cstdint>
 
@@ -10,7 +11,7 @@
 
 namespace collidoscope {
 
-inline constexpr std::int64_t reduce_chunk = 256;
+inline constexpr std::int64_t reduce_chunk = 32;
 
 /// Number of scratch elements that reduce() needs.
 inline std::size_t reduce_scratch_size(std::int64_t count) {
@@ -34,7 +35,7 @@ struct ReduceChunk {
     const std::int64_t first = chunk * reduce_chunk;
     const std::int64_t last = first + reduce_chunk < count ? first + reduce_chunk : count;
     // A binary counter of partial sums: pending[d] holds the sum of 2^k neighbours, with k decreasing in d.
-    T pending[9];
+    T pending[6];
     int depth = 0;
     for (std::int64_t i = first; i < last; ++i) {
       T sum = load(i);

@@ -43,6 +43,7 @@ Timeline::Timeline(std::int64_t budget) : budget_(budget) {}
 
 void Timeline::begin(World& world) {
   keyframes_.clear();
+  trail_.clear();
   hashes_.clear();
   bytes_ = 0;
   interval_ = keyframe_seconds;
@@ -51,8 +52,8 @@ void Timeline::begin(World& world) {
 
 Timeline::Keyframe Timeline::keyframe_of(World& world, bool is_change) {
   const auto start = std::chrono::steady_clock::now();
-  Keyframe keyframe{save_run(world), 0, is_change};
-  keyframe.bytes = bytes_of_state(keyframe.saved.state);
+  Keyframe keyframe{std::make_shared<const SavedRun>(save_run(world)), 0, is_change};
+  keyframe.bytes = bytes_of_state(keyframe.saved->state);
   cost_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return keyframe;
 }
@@ -61,6 +62,15 @@ void Timeline::add(Keyframe keyframe) {
   bytes_ += keyframe.bytes;
   keyframes_.push_back(std::move(keyframe));
   seconds_ = 0;
+  fit_budget();
+}
+
+void Timeline::set_budget(std::int64_t budget) {
+  budget_ = budget;
+  fit_budget();
+}
+
+void Timeline::fit_budget() {
   while (bytes_ > budget_ && keyframes_.size() > 1)
     if (std::ranges::count(keyframes_, false, &Keyframe::is_change) > 1)
       thin_out();
@@ -96,9 +106,10 @@ void Timeline::record_step(World& world, double seconds) {
 }
 
 void Timeline::record_change(World& world) {
+  trail_.clear();
   Keyframe keyframe = keyframe_of(world, true);
   // The state before the change cannot be reached any more.
-  while (!keyframes_.empty() && keyframes_.back().saved.state.steps == world.steps()) {
+  while (!keyframes_.empty() && keyframes_.back().state() == world.steps()) {
     bytes_ -= keyframes_.back().bytes;
     keyframes_.pop_back();
   }
@@ -106,8 +117,9 @@ void Timeline::record_change(World& world) {
 }
 
 void Timeline::forget_after(std::int64_t step) {
+  trail_.clear();
   hashes_.resize(static_cast<std::size_t>(step - first()));
-  while (keyframes_.back().saved.state.steps > step) {
+  while (keyframes_.back().state() > step) {
     bytes_ -= keyframes_.back().bytes;
     keyframes_.pop_back();
   }
@@ -117,27 +129,49 @@ void Timeline::forget_after(std::int64_t step) {
 std::vector<std::int64_t> Timeline::changes() const {
   std::vector<std::int64_t> steps;
   for (std::size_t k = 1; k < keyframes_.size(); ++k)
-    if (keyframes_[k].is_change) steps.push_back(keyframes_[k].saved.state.steps);
+    if (keyframes_[k].is_change) steps.push_back(keyframes_[k].state());
   return steps;
 }
 
 std::vector<Timeline::Keyframe>::const_iterator Timeline::keyframe_at_or_before(std::int64_t step) const {
-  const auto after = std::ranges::upper_bound(
-      keyframes_, step, {}, [](const Keyframe& keyframe) { return keyframe.saved.state.steps; });
+  const auto after = std::ranges::upper_bound(keyframes_, step, {},
+                                              [](const Keyframe& keyframe) { return keyframe.state(); });
   return after - 1;
 }
 
 bool Timeline::is_change(std::int64_t step) const {
   const Keyframe& keyframe = *keyframe_at_or_before(step);
-  return step > first() && keyframe.is_change && keyframe.saved.state.steps == step;
+  return step > first() && keyframe.is_change && keyframe.state() == step;
 }
 
-std::unique_ptr<World> Timeline::world_at(std::int64_t step, const RunOptions& options) const {
-  const SavedRun& saved = keyframe_at_or_before(step)->saved;
-  auto world = std::make_unique<World>(saved.scene, options, &saved.state);
-  if (step == saved.state.steps) return world;
-  world->step(static_cast<int>(step - saved.state.steps));
-  check(*world);
+std::unique_ptr<World> Timeline::world_at(std::int64_t step, const RunOptions& options) {
+  const Keyframe& keyframe = *keyframe_at_or_before(step);
+  std::shared_ptr<const SavedRun> from = keyframe.saved;
+  // A trail does not cross a change, since changes are keyframes.
+  for (const auto& saved : trail_)
+    if (saved->state.steps > from->state.steps && saved->state.steps <= step) from = saved;
+  constexpr std::int64_t near = 8;
+  const bool descends = step < reached_ && reached_ - step <= near;
+  auto world = std::make_unique<World>(from->scene, options, &from->state);
+  const std::int64_t most =
+      std::clamp<std::int64_t>(budget_ / 10 / std::max<std::int64_t>(keyframe.bytes, 1), 2, 100);
+  std::vector<std::shared_ptr<const SavedRun>> trail;
+  while (descends && world->steps() < step) {
+    const bool kept = step - world->steps() <= most;
+    if (kept) trail.push_back(std::make_shared<const SavedRun>(save_run(*world)));
+    if (!kept) world->step(static_cast<int>(step - world->steps() - most));
+    if (kept) world->step();
+    check(*world);
+  }
+  if (world->steps() < step) {
+    world->step(static_cast<int>(step - world->steps()));
+    check(*world);
+  }
+  if (!trail.empty())
+    trail_ = std::move(trail);
+  else if (!descends)
+    trail_.clear();
+  reached_ = step;
   return world;
 }
 

@@ -19,6 +19,7 @@ class Timeline {
   /// `budget`: bytes of keyframes. At least one keyframe is kept. If those of changes exceed the budget, the
   /// oldest states are forgotten, so first() increases.
   explicit Timeline(std::int64_t budget = default_budget());
+  void set_budget(std::int64_t budget);
   /// 1 GiB, or a quarter of the available memory if that is less.
   static std::int64_t default_budget();
 
@@ -31,7 +32,7 @@ class Timeline {
   /// Forgets the states after `step`. Precondition: first() <= step <= last().
   void forget_after(std::int64_t step);
 
-  std::int64_t first() const { return keyframes_.front().saved.state.steps; }
+  std::int64_t first() const { return keyframes_.front().state(); }
   std::int64_t last() const { return first() + std::ssize(hashes_); }
   /// States at which a change was made, ascending.
   std::vector<std::int64_t> changes() const;
@@ -39,7 +40,10 @@ class Timeline {
 
   /// A world at a state, after its change if it has one. `options`: where it is simulated. Precondition:
   /// first() <= step <= last(). Throws MachineError if the state has another hash than before.
-  std::unique_ptr<World> world_at(std::int64_t step, const RunOptions& options) const;
+  ///
+  /// If states are reached in descending order, those before the requested one are kept for the next
+  /// requests, within a tenth of the budget.
+  std::unique_ptr<World> world_at(std::int64_t step, const RunOptions& options);
   /// Compares the world, after a step, with the recorded hash of its state. Throws MachineError if it
   /// differs.
   void check(World& world) const;
@@ -53,18 +57,22 @@ class Timeline {
 
  private:
   struct Keyframe {
-    SavedRun saved;
+    std::shared_ptr<const SavedRun> saved;  ///< shared by copies of the timeline
     std::int64_t bytes;
+    std::int64_t state() const { return saved->state.steps; }
     bool is_change;  ///< or the first one
   };
   Keyframe keyframe_of(World& world, bool is_change);
   void add(Keyframe keyframe);
+  void fit_budget();
   void thin_out();
   void forget_oldest();
   std::vector<Keyframe>::const_iterator keyframe_at_or_before(std::int64_t step) const;
 
   std::int64_t budget_, bytes_ = 0;
-  std::vector<Keyframe> keyframes_;    ///< ascending; at least one after begin()
+  std::vector<std::shared_ptr<const SavedRun>> trail_;  ///< states before the last one that was reached
+  std::int64_t reached_ = -1;                           ///< by world_at()
+  std::vector<Keyframe> keyframes_;                     ///< ascending; at least one after begin()
   std::vector<std::uint64_t> hashes_;  ///< World::state_hash() of the states first() + 1, ..., last(), before
                                        ///< changes there
   double seconds_ = 0;                 ///< of the steps since the last keyframe

@@ -119,6 +119,7 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"step", view.stats.step},
                {"playing", workspace.playing},
                {"timeline", view.timeline ? Json{view.timeline->first, view.timeline->last} : Json(nullptr)},
+               {"backwards", workspace.backwards},
                {"edited", view.edited},
                {"changes", view.changes},
                {"bodies", view.stats.bodies},
@@ -165,6 +166,12 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
     else
       line[std::string(setting.name)] = value_json(setting, value);
   });
+  line["marks"] = Json::array();
+  line["other_run"] = nullptr;
+  if (view.timeline) {
+    for (const TimelineMark& mark : view.timeline->marks) line["marks"].push_back({mark.state, mark.text});
+    if (const auto& other = view.timeline->other) line["other_run"] = {other->fork, other->last};
+  }
   line["input_fault"] = workspace.input_fault ? Json(workspace.input_fault->text) : Json(nullptr);
   line["state_hash"] = frame.state_hash ? Json(fmt::format("{:016x}", *frame.state_hash)) : Json(nullptr);
   line["selection"] = workspace.selection ? Json(*workspace.selection) : Json(nullptr);

@@ -92,6 +92,7 @@ void LiveBreakpoints::stop_at(LiveWorld& live, StopView stop) {
     stop.can_freeze = (initial.motion.empty() || initial.motion[*stop.body] == Motion::dynamic) &&
                       !std::ranges::binary_search(frozen, *stop.body);
   generation_ = live.generation();
+  live.mark(stop.is_violation ? TimelineMark::Kind::violation : TimelineMark::Kind::condition, stop.what);
   stop_ = std::move(stop);
 }
 

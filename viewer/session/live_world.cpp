@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <utility>
 
 #include "sim_cuda/core/error.h"
@@ -24,6 +25,16 @@ using Clock = std::chrono::steady_clock;
 
 /// Whether a replay needs the change.
 bool is_recorded(const Change& change) { return change.physical() || !change.settings.empty(); }
+
+/// "restitution, friction", or what a change does to bodies.
+std::string change_text(const Change& change) {
+  std::vector<std::string> parts;
+  change.settings.for_each_set([&](const auto& setting, const auto&) { parts.emplace_back(setting.name); });
+  if (!change.add.empty()) parts.push_back(fmt::format("{} added", change.add.size()));
+  if (!change.remove.empty()) parts.push_back(fmt::format("{} removed", change.remove.size()));
+  if (!change.freeze.empty()) parts.push_back(fmt::format("{} frozen", change.freeze.size()));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
 
 /// Notice about a restart. `steps`: number of steps of the previous run.
 std::string restart_notice(const Change& change, const Scene& before, const World& next, std::int64_t steps) {
@@ -86,7 +97,10 @@ void LiveWorld::begin_record() {
   history_.clear();
   last_id_map_.clear();
   edited_ = false;
+  forget_other_run();
   timeline_.begin(*world_);
+  lanes_.begin(world_->steps());
+  found_.clear();
 }
 
 void LiveWorld::replace(std::unique_ptr<World> world) {
@@ -208,9 +222,12 @@ void LiveWorld::made(const Change& change, const Scene& before, std::unique_ptr<
   }
   const bool restarts = requires_restart(before, next->scene());
   replace(std::move(next));
-  if (restarts)
+  if (restarts) {
+    forget_other_run();
     timeline_.begin(*world_);
-  else if (change.physical())
+    lanes_.begin(world_->steps());
+    found_.clear();
+  } else if (change.physical())
     timeline_.record_change(*world_);
   if (world_->steps() > 0) return;
   pending_.reset();
@@ -274,7 +291,10 @@ void LiveWorld::restart(const RunState* rest) {
   history_.clear();
   last_id_map_.clear();
   edited_ = false;
+  forget_other_run();
   timeline_.begin(*world_);
+  lanes_.begin(world_->steps());
+  found_.clear();
 }
 
 void LiveWorld::go_to(std::int64_t step) {
@@ -286,14 +306,67 @@ void LiveWorld::go_to(std::int64_t step) {
   if (settings().guards != guards) set_guards(guards);
 }
 
-/// Before a change: drops the states after the present one.
+/// Before a change: keeps the run as another one, and drops the states after the present one.
 void LiveWorld::branch() {
   const std::int64_t now = world_->steps();
   if (now >= timeline_.last()) return;
+  if (!scripted()) {
+    other_ =
+        std::make_unique<OtherRun>(OtherRun{timeline_, lanes_, found_, changes_, history_, edited_, now});
+    // Both runs together keep within the budget.
+    other_->timeline.set_budget(Timeline::default_budget() / 2);
+    timeline_.set_budget(Timeline::default_budget() / 2);
+  }
   timeline_.forget_after(now);
+  lanes_.forget_after(now);
+  std::erase_if(found_, [&](const TimelineMark& mark) { return mark.state > now; });
   history_.forget_after(now);
   std::erase_if(changes_, [&](const Change& change) { return change.step > now; });
   while (next_in_script_ > 0 && script_.changes[next_in_script_ - 1].step > now) --next_in_script_;
+}
+
+void LiveWorld::forget_other_run() {
+  if (!other_) return;
+  other_.reset();
+  timeline_.set_budget(Timeline::default_budget());
+}
+
+std::optional<WorkspaceView::TimelineView::Other> LiveWorld::other_run() const {
+  if (!other_) return std::nullopt;
+  return WorkspaceView::TimelineView::Other{other_->fork, other_->timeline.last()};
+}
+
+void LiveWorld::open_other_run() {
+  OtherRun& other = *other_;
+  const std::int64_t state = std::clamp(world_->steps(), other.timeline.first(), other.timeline.last());
+  const std::optional<OnFailure> guards = settings().guards;
+  std::unique_ptr<World> world = other.timeline.world_at(state, world_->options());
+  std::swap(timeline_, other.timeline);
+  std::swap(lanes_, other.lanes);
+  std::swap(found_, other.found);
+  std::swap(changes_, other.changes);
+  std::swap(history_, other.history);
+  std::swap(edited_, other.edited);
+  replace(std::move(world));
+  pending_.reset();
+  last_id_map_.clear();
+  if (settings().guards != guards) set_guards(guards);
+}
+
+std::vector<TimelineMark> LiveWorld::marks() const {
+  std::vector<TimelineMark> marks = found_;
+  for (const Change& change : changes_)
+    if (change.physical() && change.step >= timeline_.first())
+      marks.push_back({TimelineMark::Kind::change, change.step,
+                       fmt::format("state {}: {}", change.step, change_text(change))});
+  std::ranges::stable_sort(marks, {}, &TimelineMark::state);
+  return marks;
+}
+
+void LiveWorld::mark(TimelineMark::Kind kind, const std::string& text) {
+  const std::int64_t state = world_->steps();
+  const auto known = [&](const TimelineMark& mark) { return mark.state == state && mark.text == text; };
+  if (std::ranges::none_of(found_, known)) found_.push_back({kind, state, text});
 }
 
 bool LiveWorld::step_through_past() {
@@ -319,6 +392,12 @@ bool LiveWorld::step(bool measured) {
   if (world_->steps() == before) return false;  // paused by a guard
   timeline_.record_step(*world_, seconds);
   record_step(*world_, measured ? &stats() : nullptr, history_);
+  const HistoryStep& last = history_[history_.size() - 1];
+  constexpr float none = std::numeric_limits<float>::quiet_NaN();
+  const double ms = last.instrumented() ? last.stage_sum() : last.plain_ms;
+  lanes_.add(last.step, {measured ? static_cast<float>(last.stats.energy()) : none,
+                         measured ? static_cast<float>(last.stats.touching) : none,
+                         ms >= 0 ? static_cast<float>(ms) : none});
   play_script();
   return true;
 }
@@ -334,7 +413,10 @@ void LiveWorld::record_frozen(const std::vector<std::uint32_t>& known, std::int6
 }
 
 const StepStats& LiveWorld::stats() {
-  if (!stats_known_) stats_ = world_->measure();
+  if (stats_known_) return stats_;
+  const Clock::time_point start = Clock::now();
+  stats_ = world_->measure();
+  measure_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
   stats_known_ = true;
   return stats_;
 }

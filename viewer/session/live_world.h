@@ -11,6 +11,7 @@
 #include "sim_cuda/changes/changes_file.h"
 #include "sim_cuda/recording/timeline.h"
 #include "sim_cuda/run/history.h"
+#include "sim_cuda/run/run_lanes.h"
 #include "sim_cuda/world.h"
 #include "ui/workspace.h"
 
@@ -79,8 +80,18 @@ class LiveWorld {
 
   /// All states of this run. The world is at one of them.
   const Timeline& timeline() const { return timeline_; }
+  const RunLanes& lanes() const { return lanes_; }
+  /// Changes, and what was found at states of this run, ascending.
+  std::vector<TimelineMark> marks() const;
+  /// Adds a mark at the present state, unless it is known.
+  void mark(TimelineMark::Kind kind, const std::string& text);
+  /// The run before the last branch.
+  std::optional<WorkspaceView::TimelineView::Other> other_run() const;
+  /// Exchanges this run and the run before the last branch. The world goes to the same state number, or to
+  /// the nearest one that the run has. Precondition: other_run(). Throws as go_to() does.
+  void open_other_run();
   /// Goes to a state of this run. Further steps go through the known states again, as long as nothing is
-  /// changed. A change in an earlier state starts a branch: later states, changes and history are dropped.
+  /// changed. A change in an earlier state starts a branch: the run until then is kept as other_run().
   /// Throws MachineError if the state has another hash than before; nothing changes then. Precondition: the
   /// timeline has the state.
   void go_to(std::int64_t step);
@@ -93,6 +104,8 @@ class LiveWorld {
   bool step(bool measured);
   /// Measurements of the present state, cached.
   const StepStats& stats();
+  /// Wall-clock time of the last measurement, s.
+  double measure_seconds() const { return measure_seconds_; }
   std::uint64_t state_hash();
   /// Boxes per level of the tree, from the root. Unless `exact`, the result may be that of an earlier state,
   /// since ordering a tree takes time.
@@ -116,12 +129,25 @@ class LiveWorld {
   void play_script();
   void set_guards(std::optional<OnFailure> request);
   void branch();
+  void forget_other_run();
   bool step_through_past();
 
   std::unique_ptr<World> world_;
   History history_;
   Timeline timeline_;
+  RunLanes lanes_;
+  std::vector<TimelineMark> found_;  ///< marks except those of changes
   std::vector<Change> changes_;
+  struct OtherRun {
+    Timeline timeline;
+    RunLanes lanes;
+    std::vector<TimelineMark> found;
+    std::vector<Change> changes;
+    History history;
+    bool edited;
+    std::int64_t fork;  ///< last common state
+  };
+  std::unique_ptr<OtherRun> other_;
   std::optional<Pending> pending_;
   Scene first_scene_;  ///< initial scene of changes_
   Settings first_settings_;
@@ -136,7 +162,7 @@ class LiveWorld {
   std::vector<std::int64_t> level_sizes_;
   std::int64_t level_sizes_step_ = -1;  ///< state of level_sizes_; -1: none
   int generation_ = 0;
-  double change_seconds_ = 0;
+  double change_seconds_ = 0, measure_seconds_ = 0;
 };
 
 /// Adds the last step of the World to the history. `measured`: measurements of the state after it, or null.

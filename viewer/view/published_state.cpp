@@ -79,7 +79,8 @@ void publish_state(LiveWorld& live, const PublishRequest& request, LiveReference
   to.view.level_sizes = live.level_sizes(request.layers.boxes || request.exact_levels);
   to.view.edited = live.edited();
   to.view.changes = std::ssize(live.changes());
-  to.view.timeline = {live.timeline().first(), live.timeline().last(), live.timeline().changes()};
+  to.view.timeline = {live.timeline().first(), live.timeline().last(), live.marks(), live.lanes(),
+                      live.other_run()};
   to.view.boxes_drawn = to.range.boxes;
   to.view.max_impulse = to.range.max_impulse;
   to.view.error_scale = to.range.error_scale;

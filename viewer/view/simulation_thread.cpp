@@ -165,7 +165,7 @@ void SimulationThread::publish(const PublishRequest& request) {
     ready_ = std::move(next_);
   }
   published_at_ = Clock::now();
-  publish_seconds_ = std::chrono::duration<double>(published_at_ - start).count();
+  publish_seconds_ = std::chrono::duration<double>(published_at_ - start).count() + live_.measure_seconds();
   if (published_) published_();
 }
 
