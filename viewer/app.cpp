@@ -168,6 +168,8 @@ void App::frame(double seconds) {
   if (!workspace_.notice.empty() && Clock::now() - notice_since_ > std::chrono::seconds(5))
     workspace_.notice.clear();
   show_progress();
+  // A picture shows the present layers, not those of a drawing in progress.
+  if (workspace_.screenshot_requested) with_error_bar([&] { scene_.finish_drawing(); });
   // Short steps are waited for, so that requests are handled in this frame.
   constexpr std::chrono::milliseconds patience(8);
   has_world_ = simulation_.paused() || (needs_world() && simulation_.pause(patience));
@@ -281,7 +283,11 @@ void App::write_automation(const WorkspaceView& view, double ui_ms) {
   frame.width = picture_.width();
   frame.height = picture_.height();
   with_error_bar([&] {
-    if (has_world_ && !workspace_.playing && !scene_.is_drawing()) frame.state_hash = live_.state_hash();
+    // The hash of the shown state, not of a later one whose picture is not complete.
+    if (!has_world_ || workspace_.playing || scene_.is_drawing() || !next_) return;
+    const PublishedState::Key& shown = next_->key;
+    if (shown.generation == live_.generation() && shown.step == live_.world().steps())
+      frame.state_hash = live_.state_hash();
   });
   const OrbitCamera& camera = scene_.camera();
   for (int axis = 0; axis < 3; ++axis) frame.camera[axis] = camera.target[axis];

@@ -101,8 +101,8 @@ void Timeline::thin_out() {
 void Timeline::record_step(World& world, double seconds) {
   hashes_.push_back(world.state_hash());
   seconds_ += seconds;
-  constexpr double steps_per_cost = 20;
-  if (seconds_ >= std::max(interval_, steps_per_cost * cost_)) add(keyframe_of(world, false));
+  constexpr double most = 0.1;  // share of the time
+  if (seconds_ >= std::max(interval_, cost_ / most)) add(keyframe_of(world, false));
 }
 
 void Timeline::record_change(World& world) {

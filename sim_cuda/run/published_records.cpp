@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "sim_cuda/core/compute_device.h"
 #include "sim_cuda/core/cuda_check.h"
 
 namespace collidoscope {
@@ -23,7 +24,7 @@ std::array<std::size_t, 4> bytes_of(const PublishCounts& counts) {
 void ReleaseRecordMemory::operator()(void* memory) const {
 #if SIM_CUDA
   if (gpu >= 0) {
-    cudaFree(memory);  // at the end of the process there may be no device left
+    if (!gpu_abandoned()) cudaFree(memory);  // at the end of the process there may be no device left
     return;
   }
 #endif
