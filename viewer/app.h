@@ -150,7 +150,8 @@ class App {
   std::deque<Work> works_;                       ///< the first one may be in progress
   /// Time slices of other work, in this frame. They return whether there is more to do.
   std::vector<std::function<bool()>> slices_;
-  bool work_in_progress_ = false, slices_in_progress_ = false, settling_ = false, cancel_requested_ = false;
+  bool work_in_progress_ = false, slices_in_progress_ = false, presimulating_ = false,
+       cancel_requested_ = false;
   Clock::time_point work_since_;
   Clock::time_point went_back_;  ///< time of the last step backwards
   std::string change_notice_;    ///< of the last change of settings

@@ -119,7 +119,7 @@ void App::handle_key(const InputEvent& event) {
       break;
     case GLFW_KEY_ESCAPE:
       if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) break;  // Escape closes the popup
-      if (work_in_progress_ || settling_) {
+      if (work_in_progress_ || presimulating_) {
         cancel_work();
         break;
       }

@@ -130,7 +130,7 @@ bool App::finish_presimulation(const Scene& scene, std::optional<RunState>& rest
   if (presimulation_)
     show_notice(fmt::format("settling the bodies: step {} of at most {}; Esc: cancel",
                             presimulation_->steps(), presimulation_->max_steps()));
-  settling_ = true;
+  presimulating_ = true;
   constexpr double slice = 30;  // ms
   slices_.emplace_back([this, scene, options = RunOptions(live_.world().options())] {
     if (!presimulation_) presimulation_.emplace(scene, options);

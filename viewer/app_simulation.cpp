@@ -45,7 +45,7 @@ SimulationThread::Plan App::plan() const {
 void App::use_world() {
   handle_result();
   if (cancelled_) return;
-  settling_ = false;
+  presimulating_ = false;
   with_error_bar([&] { follow_settings(); });
   handle_requests();
   if (cancelled_) return;
@@ -86,7 +86,7 @@ void App::end_work(const SimulationThread::Result& result) {
   }
   if (!result.error) {
     if (ended) with_error_bar([&] { work.then(); });
-    if (!cancel_requested_ || !settling_) return;
+    if (!cancel_requested_ || !presimulating_) return;
     show_notice("settling cancelled");
   }
   if (ended && work.failed) with_error_bar([&] { work.failed(); });
