@@ -176,7 +176,16 @@ TEST_P(SimulationThreads, DoOtherWorkFirst) {
   });
   EXPECT_FALSE(run.thread.paused());
   EXPECT_TRUE(run.thread.pause(long_enough));
-  EXPECT_EQ(run.live.world().steps(), 0) << "the request to pause comes first";
+  EXPECT_EQ(run.thread.take_result().steps, 1) << "the step that is due is made, and no other";
+}
+
+TEST_P(SimulationThreads, MakeARequestedStepEvenIfAPauseFollowsAtOnce) {
+  Run run(bodies_in_a_box(20), options());
+  for (std::int64_t k = 1; k <= 200; ++k) {
+    run.thread.start(at_once(), 1);
+    ASSERT_TRUE(run.thread.pause(long_enough));
+    ASSERT_EQ(run.live.world().steps(), k);
+  }
 }
 
 TEST(SimulationThread, IsNeverFasterThanItsSpeed) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "ui/panels.h"
 #include "ui/widgets.h"
@@ -104,12 +105,12 @@ void draw_marks(const TimelineView& timeline, const StatesAxis& axis, float top,
 }
 
 void draw_tooltip(const TimelineView& timeline, std::int64_t state, const TimelineMark* mark,
-                  std::span<const LaneStyle> styles, bool with_values) {
+                  std::span<const LaneStyle> styles) {
   ImGui::BeginTooltip();
   ImGui::TextUnformatted(fmt::format("state {}", grouped_number(state)).c_str());
   const RunLanes& lanes = timeline.lanes;
   const std::int64_t item = (state - lanes.first()) / lanes.states_per_item();
-  if (with_values && item >= 0 && item < std::ssize(lanes.items()))
+  if (item >= 0 && item < std::ssize(lanes.items()))
     for (const LaneStyle& style : styles) {
       const RunLanes::Range& range =
           lanes.items()[static_cast<std::size_t>(item)][static_cast<std::size_t>(style.lane)];
@@ -136,7 +137,7 @@ void draw_other_run(Workspace& workspace, const TimelineView& timeline, const St
   if (ImGui::InvisibleButton("##other run", {std::max(axis.width, 1.0f), height}))
     workspace.other_run_requested = true;
   track(workspace, "timeline.other");
-  explain(fmt::format("The run before the branch: states {} to {} after the common ones. Click: opens it",
+  explain(fmt::format("The run before the branch: its states {} to {}. Click: exchanges the two runs",
                       grouped_number(fork + 1), grouped_number(last))
               .c_str());
   list->AddText(nullptr, 0, {axis.left - 5.2f * ImGui::GetFontSize(), top},
@@ -188,7 +189,7 @@ void draw_timeline_strip(Workspace& workspace, const WorkspaceView& view) {
   std::int64_t state = std::clamp(axis.state_at(mouse.x), timeline.first, timeline.last);
   if (mark != nullptr && mouse.y < top) state = mark->state;
   if (active && state != view.stats.step) workspace.request_state(state);
-  if (hovered) draw_tooltip(timeline, state, mark, styles, true);
+  if (hovered) draw_tooltip(timeline, state, mark, styles);
   if (timeline.other) {
     draw_other_run(workspace, timeline, axis, at.y + height - other, other);
     ImGui::SetCursorScreenPos({at.x, at.y + height + ImGui::GetStyle().ItemSpacing.y});

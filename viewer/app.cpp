@@ -179,7 +179,7 @@ void App::frame(double seconds) {
     has_news_ = scene_.is_drawing();
     if (!has_news_ && simulation_.take(next_)) {
       has_news_ = true;
-      follow_next();
+      follow_settings(next_->view.active_settings);
     }
     simulation_.update(plan());
   }

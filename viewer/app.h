@@ -50,21 +50,21 @@ class App {
   bool needs_world() const;
   void use_world();
   void handle_result();
-  void follow_settings();
-  void follow_next();
+  void follow_settings(const Settings& now);
   void publish();
   void continue_run();
   SimulationThread::Plan plan() const;
   /// Work on the world that can take longer than a frame. The simulation thread does it, and then this thread
-  /// calls `then`, or `failed` after an error.
+  /// calls `then`, unless there was an error.
   struct Work {
     std::string what;  ///< shown while it lasts
-    std::function<void()> run, then, failed;
+    std::function<void()> run, then;
   };
   void begin(Work work) { works_.push_back(std::move(work)); }
   void change_world(Change change, const std::string& what);
   void end_work(const SimulationThread::Result& result);
   void show_progress();
+  bool can_cancel() const;
   void cancel_work();
   bool is_slow_to_change() const;
 
@@ -150,8 +150,8 @@ class App {
   std::deque<Work> works_;                       ///< the first one may be in progress
   /// Time slices of other work, in this frame. They return whether there is more to do.
   std::vector<std::function<bool()>> slices_;
-  bool work_in_progress_ = false, slices_in_progress_ = false, presimulating_ = false,
-       cancel_requested_ = false;
+  bool work_in_progress_ = false, slices_in_progress_ = false, step_in_progress_ = false,
+       presimulating_ = false, cancel_requested_ = false;
   Clock::time_point work_since_;
   Clock::time_point went_back_;  ///< time of the last step backwards
   std::string change_notice_;    ///< of the last change of settings

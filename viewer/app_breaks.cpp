@@ -43,8 +43,7 @@ void App::handle_stop_request() {
              },
              [this, file, state = stop->state_before] {
                show_notice(fmt::format("wrote {}, a snapshot of state {}", file, state));
-             },
-             {}});
+             }});
       break;
     }
   }

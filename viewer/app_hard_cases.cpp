@@ -42,8 +42,7 @@ void App::restore_scene_before() {
            run_before_cases_.reset();
            stability_.no_case_shown();
            show_another_scene();
-         },
-         {}});
+         }});
 }
 
 void App::show_another_scene() {

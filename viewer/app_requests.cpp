@@ -35,10 +35,8 @@ void App::handle_requests() {
   with_error_bar([&] { go_to_requested_state(); });
   const bool pending = workspace_.settings != live_.settings();
   if (std::exchange(workspace_.other_run_requested, false) && live_.other_run())
-    begin({"opening the other run",
-           [this] { live_.open_other_run(); },
-           [this] { workspace_.settings = live_.settings(); },
-           {}});
+    begin({"opening the other run", [this] { live_.open_other_run(); },
+           [this] { workspace_.settings = live_.settings(); }});
   if (workspace_.restart_requested && !pending) with_error_bar([&] { restart(); });
   if (!workspace_.restart_requested && !pending) presimulation_.reset();
   if (workspace_.selection && *workspace_.selection >= live_.world().initial().size())
@@ -56,10 +54,8 @@ void App::go_to_requested_state() {
   if (!state || *state < timeline.first() || *state > timeline.last() || *state == live_.world().steps())
     return;
   workspace_.playing = false;
-  begin({fmt::format("going to state {}", *state),
-         [this, state] { live_.go_to(*state); },
-         [this] { workspace_.settings = live_.settings(); },
-         {}});
+  begin({fmt::format("going to state {}", *state), [this, state] { live_.go_to(*state); },
+         [this] { workspace_.settings = live_.settings(); }});
 }
 
 /// Requests the state that the requested speed calls for.
@@ -146,7 +142,7 @@ void App::restart() {
   workspace_.restart_requested = false;
   const auto run = [this, rest] { live_.restart(rest ? &*rest : nullptr); };
   const auto then = [this] { workspace_.settings = live_.settings(); };  // a script has its initial settings
-  if (is_slow_to_change()) return begin({"restarting", run, then, {}});
+  if (is_slow_to_change()) return begin({"restarting", run, then});
   run();
   then();
 }
@@ -178,7 +174,7 @@ void App::apply_settings() {
     extends_last_change_ = workspace_.adjusting;
     if (!only_launch && is_slow_to_change())
       return begin({fmt::format("preparing {} bodies", grouped_number(workspace_.settings.generator.count)),
-                    run, then, restore});
+                    run, then});
     run();
     then();
   } catch (...) {

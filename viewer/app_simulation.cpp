@@ -46,13 +46,13 @@ void App::use_world() {
   handle_result();
   if (cancelled_) return;
   presimulating_ = false;
-  with_error_bar([&] { follow_settings(); });
+  with_error_bar([&] { follow_settings(live_.settings()); });
   handle_requests();
   if (cancelled_) return;
   with_error_bar([&] { tree_.refresh(live_.world(), live_.generation(), workspace_); });
   with_error_bar([&] { follow_panels(); });
   with_error_bar([&] { publish(); });
-  with_error_bar([&] { follow_settings(); });
+  with_error_bar([&] { follow_settings(live_.settings()); });
   if (cancelled_) return;
   with_error_bar([&] { continue_run(); }, true);
 }
@@ -61,7 +61,7 @@ void App::use_world() {
 void App::handle_result() {
   const SimulationThread::Result result = simulation_.take_result();
   if (result.steps > 0) reference_.stepped(result.simulated);
-  if (result.steps > 0 && workspace_.layers.needs_reference() && workspace_.step_requests > 0)
+  if (std::exchange(step_in_progress_, false) && result.steps > 0 && workspace_.step_requests > 0)
     --workspace_.step_requests;
   if (!result.notice.empty()) show_notice(result.notice);
   if (result.stopped || result.reached) {
@@ -89,7 +89,6 @@ void App::end_work(const SimulationThread::Result& result) {
     if (!cancel_requested_ || !presimulating_) return;
     show_notice("settling cancelled");
   }
-  if (ended && work.failed) with_error_bar([&] { work.failed(); });
   presimulation_.reset();
   workspace_.settings = live_.settings();
   workspace_.restart_requested = false;
@@ -121,7 +120,7 @@ void App::change_world(Change change, const std::string& what) {
     workspace_.settings = live_.settings();
     follow_selection();
   };
-  if (is_slow_to_change()) return begin({what, run, then, {}});
+  if (is_slow_to_change()) return begin({what, run, then});
   run();
   then();
 }
@@ -130,28 +129,23 @@ void App::change_world(Change change, const std::string& what) {
 void App::show_progress() {
   constexpr std::chrono::milliseconds patience(300);
   if (!work_in_progress_ || Clock::now() - work_since_ < patience) return;
-  const bool on_gpu = next_ && next_->scene && next_->scene->info.on_gpu;
-  show_notice(works_.front().what + (on_gpu ? " ..." : " ...; Esc: cancel"));
+  show_notice(works_.front().what + (can_cancel() ? " ...; Esc: cancel" : " ..."));
 }
 
 /// On a GPU, work is not interrupted: it could not be continued afterwards.
+bool App::can_cancel() const {
+  const bool on_gpu = next_ && next_->scene && next_->scene->info.on_gpu;
+  return options_.run.cancellation != nullptr && !on_gpu;
+}
+
 void App::cancel_work() {
   cancel_requested_ = true;
-  const bool on_gpu = next_ && next_->scene && next_->scene->info.on_gpu;
-  if (options_.run.cancellation && !on_gpu) options_.run.cancellation->request();
+  if (can_cancel()) options_.run.cancellation->request();
 }
 
 /// A script or an earlier change can change the settings during a step. They replace the requested settings,
 /// unless the user has just changed these.
-void App::follow_settings() {
-  Settings now = live_.settings();
-  if (workspace_.settings == known_settings_) workspace_.settings = now;
-  known_settings_ = std::move(now);
-}
-
-/// The thread has published another state.
-void App::follow_next() {
-  const Settings& now = next_->view.active_settings;
+void App::follow_settings(const Settings& now) {
   if (workspace_.settings == known_settings_) workspace_.settings = now;
   known_settings_ = now;
 }
@@ -182,7 +176,7 @@ void App::continue_run() {
   SimulationThread::Plan next = plan();
   next.at_once = requested;
   const bool with_reference = steps && workspace_.layers.needs_reference();
-  if (steps && requested && !with_reference) --workspace_.step_requests;
+  step_in_progress_ = steps && requested;
   const double time_step = live_.world().scene().physics.time_step;
   slices_in_progress_ = !slices_.empty() || with_reference;
   has_world_ = false;
@@ -200,9 +194,7 @@ void App::continue_run() {
       while (!reached && !simulation_.must_pause());
     return steps && reached;
   };
-  simulation_.start(
-      next, (requested && !with_reference) || with_reference ? 1 : std::numeric_limits<std::int64_t>::max(),
-      before);
+  simulation_.start(next, requested || with_reference ? 1 : std::numeric_limits<std::int64_t>::max(), before);
 }
 
 }  // namespace collidoscope

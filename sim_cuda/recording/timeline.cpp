@@ -156,15 +156,14 @@ std::unique_ptr<World> Timeline::world_at(std::int64_t step, const RunOptions& o
   const std::int64_t most =
       std::clamp<std::int64_t>(budget_ / 10 / std::max<std::int64_t>(keyframe.bytes, 1), 2, 100);
   std::vector<std::shared_ptr<const SavedRun>> trail;
-  while (descends && world->steps() < step) {
-    const bool kept = step - world->steps() <= most;
-    if (kept) trail.push_back(std::make_shared<const SavedRun>(save_run(*world)));
-    if (!kept) world->step(static_cast<int>(step - world->steps() - most));
-    if (kept) world->step();
+  // Up to the requested state, or to the first one that is kept.
+  if (const std::int64_t to = descends ? step - most : step; world->steps() < to) {
+    world->step(static_cast<int>(to - world->steps()));
     check(*world);
   }
-  if (world->steps() < step) {
-    world->step(static_cast<int>(step - world->steps()));
+  while (world->steps() < step) {
+    trail.push_back(std::make_shared<const SavedRun>(save_run(*world)));
+    world->step();
     check(*world);
   }
   if (!trail.empty())

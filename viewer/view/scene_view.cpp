@@ -112,7 +112,7 @@ void SceneView::draw(const PublishedState& state, const Workspace& workspace, co
     return std::max(static_cast<int>(std::lround(wanted.scale * size)), 1);
   };
   renderer_->resize(pixels(width), pixels(height));
-  if (!software) {
+  if (!software || renderer_->computes_spheres()) {  // only quads are drawn in parts
     renderer_->draw(camera_, layers, range_);
     drawn_ = wanted;
     return;

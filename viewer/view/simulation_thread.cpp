@@ -113,11 +113,13 @@ void SimulationThread::run() {
   }
 }
 
-/// Waits for the time of the next step. Returns false if the thread must pause.
-bool SimulationThread::wait_until_due(std::unique_lock<std::mutex>& lock) {
-  while (!pause_ && !quit_ && steps_left_ > 0) {
-    if (plan_.at_once) return true;
-    if (plan_.speed > 0 ? Clock::now() >= due_ : !plan_.publishes || !ready_) return true;
+/// Waits for the time of the next step. Returns false if the thread must pause. The first step after start()
+/// is made if it is due, even if a pause is requested. Otherwise frequent pauses would stop the run.
+bool SimulationThread::wait_until_due(std::unique_lock<std::mutex>& lock, bool first) {
+  while (!quit_ && steps_left_ > 0) {
+    const bool due = plan_.at_once || (plan_.speed > 0 ? Clock::now() >= due_ : !plan_.publishes || !ready_);
+    if (due && (first || !pause_)) return true;
+    if (pause_) return false;
     if (plan_.speed > 0)
       changed_.wait_until(lock, due_);
     else
@@ -140,13 +142,13 @@ void SimulationThread::schedule(const Plan& plan, double time_step) {
 
 /// A publication takes as long as a part of a step. So it waits until it takes only a share of the time, but
 /// not longer than half a second.
-bool SimulationThread::publication_due(const Plan& plan) const {
+bool SimulationThread::publication_due(const Plan& plan, bool on_gpu) const {
   {
     const std::lock_guard lock(mutex_);
     if (!plan.publishes || ready_) return false;
   }
   if (plan.speed == 0 || plan.request != published_request_) return true;
-  const double share = live_.world().info().on_gpu ? 0.05 : 0.12;
+  const double share = on_gpu ? 0.05 : 0.12;
   const double since = std::chrono::duration<double>(Clock::now() - published_at_).count();
   return since >= std::min(publish_seconds_ / share, 0.5);
 }
@@ -170,7 +172,9 @@ void SimulationThread::publish(const PublishRequest& request) {
 }
 
 void SimulationThread::work() {
-  if (before_ && !before_()) return;
+  int device = live_.world().info().gpu, generation = live_.generation();
+  use_device_on_this_thread(device);
+  if (const auto before = std::exchange(before_, nullptr); before && !before()) return;
   // After a short pause, the pace is kept. After a longer one, the first step is made at once.
   const Clock::time_point now = Clock::now();
   if (now - paused_at_ > tolerance) due_ = now;
@@ -178,24 +182,27 @@ void SimulationThread::work() {
     Clock::time_point& paused_at;
     ~NotePause() { paused_at = Clock::now(); }
   } note_pause{paused_at_};
-  int device = -1;
-  for (;;) {
+  for (bool first = true;; first = false) {
     Plan plan;
     {
       std::unique_lock lock(mutex_);
-      if (!wait_until_due(lock)) return;
+      if (!wait_until_due(lock, first)) return;
       plan = plan_;
       --steps_left_;
     }
     World& world = live_.world();
-    if (device != world.info().gpu) use_device_on_this_thread(device = world.info().gpu);
+    if (generation != live_.generation()) {  // by other work, or by a change of a script
+      generation = live_.generation();
+      device = world.info().gpu;
+      use_device_on_this_thread(device);
+    }
     world.records().record_impulses(plan.request.impulses);
     world.records().record_residuals(plan.request.residuals);
     const double time_step = world.scene().physics.time_step;
     schedule(plan, time_step);
     const std::size_t frozen = world.validation().frozen().size();
     breaks_.before_step(live_, plan.conditions);
-    const bool publishes = publication_due(plan);
+    const bool publishes = publication_due(plan, device >= 0);
     const bool stepped = live_.step(plan.conditions.any() || publishes || !behind());
     const bool stopped = breaks_.after_step(live_, plan.conditions);
     const bool reached = stepped && plan.pause_at && live_.world().steps() == *plan.pause_at;

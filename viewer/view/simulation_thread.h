@@ -51,9 +51,9 @@ class SimulationThread {
   SimulationThread(const SimulationThread&) = delete;
   SimulationThread& operator=(const SimulationThread&) = delete;
 
-  /// Makes steps from now on, at most `steps`. Older published states can no longer be taken. Precondition:
-  /// paused().
-  /// `before`: other work, done on the thread before the steps. If it returns false, no steps are made.
+  /// Makes steps from now on, at most `steps`, and at least one if it is due. Older published states can no
+  /// longer be taken. Precondition: paused(). `before`: other work, done on the thread before the steps. If
+  /// it returns false, no steps are made.
   void start(const Plan& plan, std::int64_t steps = std::numeric_limits<std::int64_t>::max(),
              std::function<bool()> before = nullptr);
   /// Changes the plan of the running thread.
@@ -75,9 +75,9 @@ class SimulationThread {
  private:
   using Clock = std::chrono::steady_clock;
   void work();
-  bool wait_until_due(std::unique_lock<std::mutex>& lock);
+  bool wait_until_due(std::unique_lock<std::mutex>& lock, bool first);
   void schedule(const Plan& plan, double time_step);
-  bool publication_due(const Plan& plan) const;
+  bool publication_due(const Plan& plan, bool on_gpu) const;
   void publish(const PublishRequest& request);
   void run();
 
