@@ -18,6 +18,7 @@
 #include "headless/reporting/result_files.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/physics_version.h"
+#include "sim_cuda/core/wall_clock.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/window_frame.h"
 #include "viewer/view/drawing_pause.h"
@@ -29,10 +30,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using LiveClock = std::chrono::steady_clock;
-
-double seconds_from(LiveClock::time_point start) {
-  return std::chrono::duration<double>(LiveClock::now() - start).count();
-}
 
 void log_line(const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }
 
@@ -62,9 +59,9 @@ class WindowLoop {
   std::int64_t run(double duration, double& seconds) {
     const LiveClock::time_point start = LiveClock::now();
     thread_.start(plan_);
-    while (seconds_from(start) < duration) frame();
+    while (seconds_since(start) < duration) frame();
     thread_.pause(std::chrono::minutes(10));
-    seconds = seconds_from(start);
+    seconds = seconds_since(start);
     const SimulationThread::Result result = thread_.take_result();
     if (result.error) std::rethrow_exception(result.error);
     return result.steps;
@@ -96,11 +93,11 @@ class WindowLoop {
     draw_workspace(workspace_, panels_);
     gui_.end(picture_.target());
     Renderer::finish();
-    const double drawn = seconds_from(start);
+    const double drawn = seconds_since(start);
     const bool waits = context_.software() && thread_.behind();
     const double pause = std::max(waits ? drawing_pause(drawn, news) : 0, shortest - drawn);
     std::this_thread::sleep_for(std::chrono::duration<double>(std::max(pause, 0.0)));
-    frame_ms.push_back(static_cast<float>(1e3 * seconds_from(start)));
+    frame_ms.push_back(static_cast<float>(1e3 * seconds_since(start)));
   }
 
   LiveWorld live_;
@@ -136,7 +133,7 @@ LiveCost measure_live(WindowLoop& window, World& plain, std::int64_t rounds) {
     const std::int64_t steps = window.run(round_seconds, seconds);
     const LiveClock::time_point start = LiveClock::now();
     for (std::int64_t k = 0; k < steps; ++k) plain.step();
-    const double plain_seconds = seconds_from(start);
+    const double plain_seconds = seconds_since(start);
     if (plain.state_hash() != window.live().state_hash())
       throw MachineError("bench live: the window reached another state than the run without it");
     if (round < 0) {

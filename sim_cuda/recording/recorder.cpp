@@ -6,6 +6,7 @@
 
 #include "sim_cuda/changes/changes_file.h"
 #include "sim_cuda/core/physics_version.h"
+#include "sim_cuda/core/wall_clock.h"
 #include "sim_cuda/run/run_state.h"
 
 namespace collidoscope {
@@ -16,10 +17,6 @@ constexpr double longest_hash_delay = 0.25;
 
 std::string_view bytes_of_number(const std::int64_t& number) {
   return {reinterpret_cast<const char*>(&number), sizeof number};
-}
-
-double seconds_after(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 std::string recording_meta(World& world) {
@@ -51,7 +48,7 @@ void Recorder::write_keyframe(World& world) {
     write_snapshot(snapshot, sink);
   });
   keyframe_step_ = first_ = world.steps();
-  keyframe_seconds_ = seconds_after(start);
+  keyframe_seconds_ = seconds_since(start);
   since_keyframe_ = since_written_ = Clock::now();
 }
 
@@ -70,9 +67,9 @@ void Recorder::record_step(World& world) {
   // On a GPU, copying the state of each step would take longer than the step.
   hashes_.push_back({world.state_hash(), world.info().on_gpu ? 0 : full_hash(world.state())});
   if (world.steps() - keyframe_step_ >= min_keyframe_steps &&
-      seconds_after(since_keyframe_) > 10 * keyframe_seconds_)
+      seconds_since(since_keyframe_) > 10 * keyframe_seconds_)
     return write_keyframe(world);
-  if (seconds_after(since_written_) > longest_hash_delay) write_hashes();
+  if (seconds_since(since_written_) > longest_hash_delay) write_hashes();
 }
 
 void Recorder::record_change(World& world, const Change& change, const Scene& before) {

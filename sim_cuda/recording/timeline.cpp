@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/wall_clock.h"
 
 namespace collidoscope {
 namespace {
@@ -54,7 +55,7 @@ Timeline::Keyframe Timeline::keyframe_of(World& world, bool is_change) {
   const auto start = std::chrono::steady_clock::now();
   Keyframe keyframe{std::make_shared<const SavedRun>(save_run(world)), 0, is_change};
   keyframe.bytes = bytes_of_state(keyframe.saved->state);
-  cost_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  cost_ = seconds_since(start);
   return keyframe;
 }
 

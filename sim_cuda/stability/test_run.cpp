@@ -11,6 +11,7 @@
 
 #include "sim_cuda/changes/changes_file.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/wall_clock.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/stability/hard_case_simulation.h"
@@ -21,10 +22,6 @@ namespace collidoscope {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 Scene with_configuration(Scene scene, const TestConfiguration& configuration) {
   scene.physics.solver = configuration.solver;

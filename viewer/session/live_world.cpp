@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/wall_clock.h"
 #include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/stability/hard_case_simulation.h"
@@ -148,7 +149,7 @@ std::string LiveWorld::apply(const Settings& request, const RunState* rest, bool
     pending_.reset();
   const std::string notice = restart_notice(change, before, *next, world_->steps());
   made(change, before, std::move(next));
-  change_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
+  change_seconds_ = seconds_since(start);
   return notice;
 }
 
@@ -293,7 +294,7 @@ bool LiveWorld::step(bool measured) {
   const std::vector<std::uint32_t> frozen = world_->validation().frozen();
   const Clock::time_point start = Clock::now();
   world_->step();
-  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const double seconds = seconds_since(start);
   stats_known_ = hash_known_ = false;
   pending_.reset();
   if (world_->validation().frozen().size() > frozen.size()) record_frozen(frozen, before);
@@ -324,7 +325,7 @@ const StepStats& LiveWorld::stats() {
   if (stats_known_) return stats_;
   const Clock::time_point start = Clock::now();
   stats_ = world_->measure();
-  measure_seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
+  measure_seconds_ = seconds_since(start);
   stats_known_ = true;
   return stats_;
 }

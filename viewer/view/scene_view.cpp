@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sim_cuda/core/wall_clock.h"
 #include "viewer/render/gl/errors.h"
 #include "viewer/session/tree_marks.h"
 #include "viewer/view/camera_control.h"
@@ -127,7 +128,7 @@ void SceneView::draw_slice(double milliseconds) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = Clock::now();
   const bool complete = renderer_->draw_slice(milliseconds);
-  drawing_seconds_ += std::chrono::duration<double>(Clock::now() - start).count();
+  drawing_seconds_ += seconds_since(start);
   if (!complete) return;
   view_scale_.took(drawing_->scale, drawing_seconds_);
   drawn_ = *drawing_;

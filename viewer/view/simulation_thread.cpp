@@ -5,6 +5,7 @@
 
 #include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/compute_device.h"
+#include "sim_cuda/core/wall_clock.h"
 
 namespace collidoscope {
 namespace {
@@ -149,7 +150,7 @@ bool SimulationThread::publication_due(const Plan& plan, bool on_gpu) const {
   }
   if (plan.speed == 0 || plan.request != published_request_) return true;
   const double share = on_gpu ? 0.05 : 0.12;
-  const double since = std::chrono::duration<double>(Clock::now() - published_at_).count();
+  const double since = seconds_since(published_at_);
   return since >= std::min(publish_seconds_ / share, 0.5);
 }
 
