@@ -82,6 +82,7 @@ TEST_P(SimulationThreads, PublishesWholeStates) {
   Run run(bodies_in_a_box(300), options());
   World plain(bodies_in_a_box(300), options());
   SimulationThread::Plan plan = at_once();
+  plan.request.selection = 0;
   run.thread.start(plan);
   auto state = std::make_unique<PublishedState>();
   PublishedRecords expected;
