@@ -52,7 +52,12 @@ ContactRecords& World::records() { return run_->records; }
 TreeProbe& World::tree() { return run_->tree; }
 Publisher& World::publisher() { return run_->publisher; }
 
-void World::step(int count) { run_->step(count); }
+void World::step(int count) {
+  for (int k = 0; k < count && !run_->validation.paused(); ++k) {
+    run_->executor.throw_if_cancelled_between_steps();
+    run_->step(1);
+  }
+}
 std::int64_t World::steps() const { return run_->steps(); }
 double World::time() const { return run_->time(); }
 

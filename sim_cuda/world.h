@@ -69,7 +69,8 @@ class World {
   ///
   /// Throws Cancelled if options().cancellation is requested, as do detect() and all functions that call
   /// it. The state then contains only complete steps. On the CPU, the world can continue after the request
-  /// is cleared. On a GPU, work is still in progress; the process should exit without waiting for it.
+  /// is cleared; on a GPU, only if the request was one between steps (cancellation.h). Otherwise work is
+  /// still in progress there, and the process should exit without waiting for it.
   void step(int count = 1);
   std::int64_t steps() const;
   double time() const;  ///< simulated time since state 0, s; NaN: unknown (RunState)

@@ -280,6 +280,45 @@ TEST(Cancellation, EndsTheMakingOfAWorld) {
   unsetenv("XDG_CACHE_HOME");
 }
 
+class CancelledWorlds : public OnEachExecutor {};
+ON_EACH_EXECUTOR(CancelledWorlds);
+
+/// As Esc in the window: the run, and a run in construction.
+TEST_P(CancelledWorlds, ContinueAfterARequestBetweenSteps) {
+  const Scene scene = busy_scene(Solver::soft_step, Precision::f32);
+  World undisturbed(scene, options());
+  Cancellation cancellation;
+  int polls_left = 0;
+  cancellation.set_poll(
+      [&] {
+        if (--polls_left == 0) cancellation.request_between_steps();
+      },
+      {});
+  RunOptions cancellable = options();
+  cancellable.cancellation = &cancellation;
+  World world(scene, cancellable);
+  int cancelled = 0;
+  for (int k = 0; k < 24; ++k) {
+    const auto cancel = [&](const auto& work) {
+      polls_left = 1 + k % 4;
+      try {
+        work();
+      } catch (const Cancelled&) {
+        ++cancelled;
+      }
+      polls_left = 0;
+      cancellation.clear();
+    };
+    cancel([&] { world.step(5); });
+    const RunState state = world.state();
+    cancel([&] { World(scene, cancellable, &state).step(5); });
+    undisturbed.step(static_cast<int>(world.steps() - undisturbed.steps()));
+    ASSERT_EQ(state_of(world), state_of(undisturbed)) << "at state " << world.steps();
+    world.step();
+  }
+  EXPECT_EQ(cancelled, 2 * 24);
+}
+
 TEST(Cancellation, KeepsToOneThreadWithItsPolls) {
   Cancellation cancellation;
   std::atomic<int> strangers = 0, polls = 0;

@@ -2,6 +2,7 @@
 // behaviour.
 #include "viewer/gui_events.h"
 
+#define GLFW_INCLUDE_NONE  // other files of the batch use epoxy, which must come before GL/gl.h
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 #include <imgui.h>

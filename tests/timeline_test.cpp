@@ -37,6 +37,13 @@ Change restitution_of(double value) {
   return change;
 }
 
+std::vector<std::int64_t> changed_states(const Timeline& timeline) {
+  std::vector<std::int64_t> states;
+  for (const Timeline::Keyframe& keyframe : timeline.keyframes())
+    if (timeline.is_change(keyframe.state())) states.push_back(keyframe.state());
+  return states;
+}
+
 class Timelines : public OnEachExecutor {};
 ON_EACH_EXECUTOR(Timelines);
 
@@ -58,7 +65,7 @@ TEST_P(Timelines, ReachEveryStateAgain) {
   }
   EXPECT_EQ(live.timeline().first(), 0);
   EXPECT_EQ(live.timeline().last(), steps);
-  EXPECT_THAT(live.timeline().changes(), ElementsAre(40, 90));
+  EXPECT_THAT(changed_states(live.timeline()), ElementsAre(40, 90));
   EXPECT_EQ(live.changes().size(), 2u);
   Random random(7);
   for (int k = 0; k < 60; ++k) {
@@ -90,7 +97,7 @@ TEST_P(Timelines, AChangeInAnEarlierStateStartsABranch) {
   live.go_to(30);
   live.apply(restitution_of(0.9));
   EXPECT_EQ(live.timeline().last(), 30);
-  EXPECT_THAT(live.timeline().changes(), ElementsAre(30));
+  EXPECT_THAT(changed_states(live.timeline()), ElementsAre(30));
   EXPECT_EQ(live.history().size(), 30u);
   ASSERT_EQ(live.changes().size(), 1u) << "that of state 60 never happened";
   EXPECT_EQ(live.changes()[0].step, 30);
@@ -191,19 +198,19 @@ TEST_P(Timelines, GoBackThroughEveryState) {
 
 TEST_P(Timelines, KeepWithinTheirBudget) {
   World world(tumbling_scene(), options());
-  Timeline timeline(400'000);
+  Timeline timeline(150'000);
   timeline.begin(world);
   const std::int64_t one = timeline.bytes();
-  ASSERT_LT(one, 40'000);
+  ASSERT_LT(one, 15'000);
   std::vector<std::uint64_t> hashes{world.state_hash()};
   for (int step = 1; step <= 300; ++step) {
     world.step();
     timeline.record_step(world, 0.1);  // as if a step took so long
     hashes.push_back(world.state_hash());
-    EXPECT_LE(timeline.bytes(), 400'000) << step;
+    EXPECT_LE(timeline.bytes(), 150'000) << step;
   }
-  EXPECT_GT(timeline.keyframes(), 4);
-  EXPECT_LT(timeline.keyframes(), 300 / 3) << "some were removed";
+  EXPECT_GT(timeline.keyframes().size(), 4u);
+  EXPECT_LT(timeline.keyframes().size(), 300u / 3) << "some were removed";
   for (const std::int64_t step : {0, 1, 7, 150, 151, 299, 300})
     EXPECT_EQ(timeline.world_at(step, options())->state_hash(), hashes[static_cast<std::size_t>(step)])
         << step;
@@ -211,7 +218,7 @@ TEST_P(Timelines, KeepWithinTheirBudget) {
 
 TEST_P(Timelines, ForgetTheOldestStatesIfChangesExceedTheBudget) {
   World world(tumbling_scene(), options());
-  Timeline timeline(200'000);
+  Timeline timeline(30'000);
   timeline.begin(world);
   std::vector<std::uint64_t> hashes{world.state_hash()};
   for (int step = 1; step <= 60; ++step) {
@@ -219,7 +226,7 @@ TEST_P(Timelines, ForgetTheOldestStatesIfChangesExceedTheBudget) {
     timeline.record_step(world, step % 2 == 0 ? 100 : 0.001);  // keyframes between changes, too
     hashes.push_back(world.state_hash());
     if (step % 3 == 0) timeline.record_change(world);  // a change that keeps the state
-    EXPECT_LE(timeline.bytes(), 200'000) << step;
+    EXPECT_LE(timeline.bytes(), 30'000) << step;
   }
   EXPECT_GT(timeline.first(), 3);
   EXPECT_EQ(timeline.last(), 60);

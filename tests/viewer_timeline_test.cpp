@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
+#include "tests/test_files.h"
 #include "tests/viewer_fixture.h"
 
 namespace collidoscope {
@@ -154,6 +157,77 @@ TEST_F(ViewerTimeline, ScrubsBranchesAndReturnsToTheOtherRun) {
   ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["timeline"] == Json({0, branch + 1}); }));
   ASSERT_TRUE(at(branch + 1));
   EXPECT_EQ(window.frame()["state_hash"], branched);
+  EXPECT_EQ(window.frame()["error"], Json(nullptr));
+  EXPECT_EQ(close(window), "");
+}
+
+TEST_F(ViewerTimeline, WritesItsRunAndOpensItAgain) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> shared{"--size", "1280x800", "--executor", "cpu", "--reset-ui"};
+  const auto at = [](WindowDriver& window, std::int64_t state) {
+    return window.wait_for([&](const Json& f) {
+      return f["step"] == state && f["playing"] == false && f["state_hash"].is_string();
+    });
+  };
+  const auto with = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), shared.begin(), shared.end());
+    return arguments;
+  };
+  std::string hash;
+  double restitution = 0;
+  {
+    WindowDriver window(with({"box_collider", "--bodies", "300", "--steps", "60"}));
+    ASSERT_TRUE(at(window, 60));
+    window.click("settings.restitution");  // the middle of the slider
+    ASSERT_TRUE(window.wait_for([](const Json& f) { return f["changes"] == 1; }));
+    restitution = window.frame()["restitution"];
+    window.move(640, 12);
+    for (int k = 1; k <= 5; ++k) {
+      window.key("s");
+      ASSERT_TRUE(at(window, 60 + k));
+    }
+    hash = window.frame()["state_hash"];
+    // From mark to mark.
+    window.key("bracketleft");
+    ASSERT_TRUE(at(window, 60));
+    window.key("bracketleft");
+    ASSERT_TRUE(window.wait_for([](const Json& f) { return f["notice"] == "no mark before this state"; }));
+    window.key("shift+s");
+    ASSERT_TRUE(at(window, 59));
+    window.key("bracketright");
+    ASSERT_TRUE(at(window, 60));
+    window.key("ctrl+s");
+    ASSERT_TRUE(window.wait_for([](const Json& f) {
+      return f["notice"].is_string() && f["notice"].get<std::string>().starts_with("wrote captures/run_");
+    }));
+    EXPECT_EQ(window.frame()["notice"], "wrote captures/run_000065.recording");
+    std::filesystem::copy(window.file("captures/run_000065.recording"), folder / "run.recording");
+    window.click("run.save");
+    ASSERT_TRUE(window.wait_for(
+        [](const Json& f) { return f["notice"] == "wrote captures/run_000065_2.recording"; }));
+    EXPECT_EQ(window.frame()["error"], Json(nullptr));
+    EXPECT_EQ(close(window), "");
+  }
+  WindowDriver window(with({(folder / "run.recording").string()}));
+  ASSERT_TRUE(window.wait_for([](const Json& f) {
+    return f["timeline"].is_array() && f["timeline"][0] == 0 && f["timeline"][1] >= 65;
+  }));
+  EXPECT_EQ(window.frame()["marks"], Json({Json({60, "state 60: restitution"})}));
+  window.key("space");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == false; }));
+  window.key("bracketleft");
+  ASSERT_TRUE(at(window, 60));
+  EXPECT_DOUBLE_EQ(window.frame()["restitution"].get<double>(), restitution);
+  EXPECT_LT(restitution, 0.7);
+  window.key("shift+s");
+  ASSERT_TRUE(at(window, 59));
+  EXPECT_EQ(window.frame()["state_hash"], expected_hash(59, 300));
+  EXPECT_DOUBLE_EQ(window.frame()["restitution"].get<double>(), 0.8);
+  for (int k = 60; k <= 65; ++k) {
+    window.key("s");
+    ASSERT_TRUE(at(window, k));
+  }
+  EXPECT_EQ(window.frame()["state_hash"], hash);
   EXPECT_EQ(window.frame()["error"], Json(nullptr));
   EXPECT_EQ(close(window), "");
 }

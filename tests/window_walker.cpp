@@ -105,9 +105,10 @@ std::string WindowWalker::out_of_sight(const Json& widgets) {
 }
 
 void WindowWalker::key() {
-  static constexpr const char* keys[] = {"space", "s",      "r",       "f",           "1",   "3",
-                                         "5",     "7",      "Escape",  "F1",          "Tab", "shift+f",
-                                         "w",     "Return", "shift+s", "shift+space", "b"};
+  static constexpr const char* keys[] = {
+      "space",        "s",     "r",       "f", "1",      "3",       "5",           "7", "Escape",
+      "F1",           "Tab",   "shift+f", "w", "Return", "shift+s", "shift+space", "b", "bracketleft",
+      "bracketright", "ctrl+s"};
   const std::string name = keys[pick(std::size(keys))];
   note(name);
   window_.key(name);

@@ -52,7 +52,8 @@ void draw_timeline(Workspace& workspace, const WorkspaceView& view) {
   };
   row_label("timeline", "All states of this run. A change in an earlier state begins a branch");
   const float gap = ImGui::GetStyle().ItemInnerSpacing.x, button = ImGui::GetFrameHeight();
-  const float width = ImGui::GetContentRegionAvail().x - 3 * (button + gap);
+  const float save = ImGui::CalcTextSize("save").x + 2 * ImGui::GetStyle().FramePadding.x;
+  const float width = ImGui::GetContentRegionAvail().x - 3 * (button + gap) - save - gap;
   if (workspace.backwards)
     ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
   const bool was_backwards = workspace.backwards;
@@ -77,6 +78,13 @@ void draw_timeline(Workspace& workspace, const WorkspaceView& view) {
   if (ImGui::Button(">##state", {button, 0})) workspace.request_step();
   track(workspace, "run.forward");
   explain("S: the next state");
+  ImGui::SameLine(0, gap);
+  if (ImGui::Button("save", {save, 0})) workspace.recording_requested = true;
+  track(workspace, "run.save");
+  explain(
+      "Ctrl+S: writes all states of this run to captures/. collidoscope opens the file, and "
+      "collidoscope-headless "
+      "replay verifies it");
 }
 
 }  // namespace
@@ -102,7 +110,7 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
     const char* chosen = "";
     for (const SpeedChoice& choice : speed_choices)
       if (choice.speed == workspace.speed) chosen = choice.label;
-    row_label("speed", "Requested speed; at most one step per drawn frame");
+    row_label("speed", "Requested speed: simulated seconds per second");
     if (begin_choice("##speed", chosen)) {
       for (const auto& [speed, name, label] : speed_choices) {
         if (ImGui::Selectable(label, speed == workspace.speed)) workspace.speed = speed;
@@ -119,8 +127,8 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
         view.with_times && view.frames_per_second > 0
             ? fmt::format("{:.2f} × real time · {:.0f} fps", view.real_time_factor, view.frames_per_second)
             : "–",
-        "Simulated seconds per second, and drawn frames per second, over the last second. The speed is "
-        "limited to one step per drawn frame");
+        "Simulated seconds per second, and drawn frames per second, over the last second. It is "
+        "below the requested speed if steps take too long");
   }
   end_panel();
 }

@@ -93,6 +93,8 @@ void draw_help(Workspace& workspace) {
       {"Shift Space", "play backwards"},
       {"S", "one step"},
       {"Shift S", "one step back"},
+      {"[  ]", "the mark before, after"},
+      {"Ctrl S", "write the run to captures/"},
       {"R", "restart"},
       {"drag", "orbit about the target"},
       {"right drag", "pan"},

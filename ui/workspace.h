@@ -102,6 +102,7 @@ struct Workspace {
   bool restart_requested = false, screenshot_requested = false, csv_requested = false, json_requested = false;
   std::optional<std::int64_t> state_request;  ///< go to this state of the run
   bool other_run_requested = false;           ///< open the run before the last branch
+  bool recording_requested = false;           ///< write all states of the run to a file
   bool changes_file_requested = false;        ///< write the changes since the start to a file
   bool projectile_requested = false;          ///< add a body, launched from the camera
   bool removal_requested = false;             ///< remove the selected body

@@ -70,6 +70,7 @@ App::App(const Start& start, const Options& options)
       software_(gl::is_software_renderer()),
       simulation_(live_, breaks_, [] { Window::wake(); }) {
   cuda_available(&cuda_unavailable_reason_);
+  if (start.recording) live_.take_recording(read_run(*start.recording));
   workspace_.settings = known_settings_ = live_.settings();
   workspace_.has_timeline = true;
   if (!live_.world().initial().meshes.empty()) show_notice("mesh bodies collide as their bounding spheres");

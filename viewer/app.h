@@ -64,7 +64,6 @@ class App {
   void change_world(Change change, const std::string& what);
   void end_work(const SimulationThread::Result& result);
   void show_progress();
-  bool can_cancel() const;
   void cancel_work();
   bool is_slow_to_change() const;
 
@@ -79,6 +78,7 @@ class App {
   void handle_key(const InputEvent& event);
   void handle_button(const InputEvent& event);
   void handle_move(const InputEvent& event);
+  void go_to_mark(bool after);
   void fly_camera(double seconds);
 
   // Requests from panels (app_requests.cpp).
@@ -91,6 +91,7 @@ class App {
   void show_notice(const std::string& notice);
   void export_history(bool csv);
   void export_changes();
+  void save_recording();
   void spawn_projectile();
   void remove_selected();
   void follow_selection();

@@ -60,12 +60,20 @@ void App::handle_key(const InputEvent& event) {
         workspace_.play_or_pause();
       break;
     case GLFW_KEY_S:
-      if (flying || (event.modifiers & GLFW_MOD_CONTROL)) break;
+      if (event.modifiers & GLFW_MOD_CONTROL) {
+        workspace_.recording_requested |= !again;
+        break;
+      }
+      if (flying) break;
       if (event.modifiers & GLFW_MOD_SHIFT) {
         workspace_.request_state(run_.stats.step - 1);
       } else {
         workspace_.request_step(again);
       }
+      break;
+    case GLFW_KEY_LEFT_BRACKET:
+    case GLFW_KEY_RIGHT_BRACKET:
+      go_to_mark(event.code == GLFW_KEY_RIGHT_BRACKET);
       break;
     case GLFW_KEY_R:
       workspace_.restart_requested |= !again;
@@ -184,6 +192,21 @@ void App::handle_move(const InputEvent& event) {
     look(scene_.camera(), dx, dy, height);
   else
     pan(scene_.camera(), dx, dy, height);
+}
+
+/// Requests the nearest state with a mark after or before the shown one.
+void App::go_to_mark(bool after) {
+  if (!run_.timeline) return;
+  std::optional<std::int64_t> state;
+  for (const TimelineMark& mark : run_.timeline->marks) {
+    if (after ? mark.state <= run_.stats.step : mark.state >= run_.stats.step) continue;
+    state = mark.state;
+    if (after) break;
+  }
+  if (state)
+    workspace_.request_state(*state);
+  else
+    show_notice(after ? "no mark after this state" : "no mark before this state");
 }
 
 void App::fly_camera(double seconds) {

@@ -29,6 +29,7 @@ void App::handle_requests() {
       [&] { scene_.handle_request(std::exchange(workspace_.camera_request, CameraRequest::none), live_); });
   with_error_bar([&] { apply_settings(); });
   if (std::exchange(workspace_.changes_file_requested, false)) with_error_bar([&] { export_changes(); });
+  if (std::exchange(workspace_.recording_requested, false)) with_error_bar([&] { save_recording(); });
   if (std::exchange(workspace_.projectile_requested, false)) with_error_bar([&] { spawn_projectile(); });
   if (std::exchange(workspace_.removal_requested, false)) with_error_bar([&] { remove_selected(); });
   with_error_bar([&] { play_backwards(); });
@@ -196,6 +197,14 @@ void App::export_changes() {
   const std::string file = unused_file_name(fmt::format("changes_{:06}", live_.world().steps()), "json");
   write_file_atomically(file, live_.changes_text());
   show_notice("wrote " + file);
+}
+
+void App::save_recording() {
+  const std::string file = unused_file_name(fmt::format("run_{:06}", live_.timeline().last()), "recording");
+  make_folder("captures");
+  begin({"writing " + file,
+         [this, file] { write_run(file, live_.timeline(), live_.changes(), live_.world()); },
+         [this, file] { show_notice("wrote " + file); }});
 }
 
 void App::spawn_projectile() {

@@ -13,8 +13,8 @@ bool App::needs_world() const {
   const PanelVisibility& panels = w.visible_panels;
   const bool requested =
       w.restart_requested || w.csv_requested || w.json_requested || w.changes_file_requested ||
-      w.projectile_requested || w.removal_requested || w.state_request || w.step_requests > 0 ||
-      w.other_run_requested || w.reference_requested || w.tree.node || w.tree.rank ||
+      w.recording_requested || w.projectile_requested || w.removal_requested || w.state_request ||
+      w.step_requests > 0 || w.other_run_requested || w.reference_requested || w.tree.node || w.tree.rank ||
       w.camera_request == CameraRequest::frame_all || w.camera_request == CameraRequest::frame_selection ||
       w.breaks.stop != StopRequest::none;
   const bool measured =
@@ -129,18 +129,12 @@ void App::change_world(Change change, const std::string& what) {
 void App::show_progress() {
   constexpr std::chrono::milliseconds patience(300);
   if (!work_in_progress_ || Clock::now() - work_since_ < patience) return;
-  show_notice(works_.front().what + (can_cancel() ? " ...; Esc: cancel" : " ..."));
-}
-
-/// On a GPU, work is not interrupted: it could not be continued afterwards.
-bool App::can_cancel() const {
-  const bool on_gpu = next_ && next_->scene && next_->scene->info.on_gpu;
-  return options_.run.cancellation != nullptr && !on_gpu;
+  show_notice(works_.front().what + (options_.run.cancellation ? " ...; Esc: cancel" : " ..."));
 }
 
 void App::cancel_work() {
   cancel_requested_ = true;
-  if (can_cancel()) options_.run.cancellation->request();
+  if (options_.run.cancellation) options_.run.cancellation->request_between_steps();
 }
 
 /// A script or an earlier change can change the settings during a step. They replace the requested settings,

@@ -71,7 +71,7 @@ int bench_timeline(const CommandLine& line) {
             {"steps", timeline_steps},
             {"step_ms", 1e3 * cost.step_seconds / static_cast<double>(timeline_steps)},
             {"recording_share", cost.record_seconds / cost.step_seconds},
-            {"keyframes", timeline.keyframes()},
+            {"keyframes", timeline.keyframes().size()},
             {"keyframe_bytes", timeline.bytes()},
             {"jump_ms", percentiles_json(jump)}};
   files.write(json_text(json), "", "");
@@ -82,7 +82,7 @@ int bench_timeline(const CommandLine& line) {
                           "of the time; to a random state: median {:.1f} ms, 95th percentile {:.1f} ms\n",
                           scene.name, world.initial().size(), timeline_steps,
                           1e3 * cost.step_seconds / static_cast<double>(timeline_steps),
-                          world.info().device_name, timeline.keyframes(),
+                          world.info().device_name, timeline.keyframes().size(),
                           static_cast<double>(timeline.bytes()) / 1048576,
                           100 * cost.record_seconds / cost.step_seconds, jump.median, jump.p95));
   return 0;

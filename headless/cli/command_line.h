@@ -1,6 +1,7 @@
 #pragma once
 // The command line as a whole: which command, on what, with which options; or text that was asked for.
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "headless/cli/options.h"
+#include "sim_cuda/recording/recording_file.h"
 #include "sim_cuda/snapshot/snapshot.h"
 #include "sim_cuda/world.h"
 
@@ -43,6 +45,8 @@ Scene load_scene(const CommandLine& line);
 struct Start {
   Scene scene;
   std::optional<Snapshot> snapshot;  ///< that --load names
+  /// The file of the snapshot, if it is a recording whose states can all be reached again.
+  std::shared_ptr<const RecordingReader> recording{};
   World world(const RunOptions& options) const;
 };
 /// Throws InputError.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 
 #include "headless/cli/command_line.h"
 #include "headless/cli/flag_value.h"
@@ -62,11 +63,16 @@ Start load_start(const CommandLine& line) {
     start.scene = load_scene(line);
     return start;
   }
-  start.snapshot = is_recording(file) ? last_keyframe(RecordingReader(file)) : read_snapshot(file);
+  if (is_recording(file)) start.recording = std::make_shared<const RecordingReader>(file);
+  start.snapshot = start.recording ? last_keyframe(*start.recording) : read_snapshot(file);
   start.scene = start.snapshot->scene;
   apply(line.options.overrides, file, start.scene);
   refuse_other_bodies(line.options.overrides.settings, file, start.snapshot->scene);
   note_other_physics(start.snapshot->physics_version, file);
+  // With other settings, the run continues from the last keyframe alone.
+  if (start.snapshot->physics_version != physics_version ||
+      write_scene(start.scene) != write_scene(start.snapshot->scene))
+    start.recording = nullptr;
   return start;
 }
 

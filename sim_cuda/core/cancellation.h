@@ -17,11 +17,15 @@ class Cancellation {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Callable from any thread and from a signal handler.
-  void request() noexcept { requested_.store(true, std::memory_order_relaxed); }
-  bool requested() const noexcept { return requested_.load(std::memory_order_relaxed); }
+  /// Callable from any thread and from a signal handler. On a GPU, work in progress is abandoned, and its
+  /// worlds cannot be used any more.
+  void request() noexcept { set(true, false); }
+  /// The same, but a GPU first completes the step in progress, and its worlds can continue.
+  void request_between_steps() noexcept { set(true, true); }
+  bool requested() const noexcept { return requested_.load(std::memory_order_acquire); }
+  bool between_steps() const noexcept { return between_steps_.load(std::memory_order_relaxed); }
   /// Clears the request. Call outside of cancellable work.
-  void clear() noexcept { requested_.store(false, std::memory_order_relaxed); }
+  void clear() noexcept { set(false, false); }
 
   /// While suspended, poll() returns false.
   void suspend(bool on) noexcept { suspended_.store(on, std::memory_order_relaxed); }
@@ -39,8 +43,12 @@ class Cancellation {
   double uninterrupted = 0.2;
 
  private:
+  void set(bool requested, bool between_steps) noexcept {
+    between_steps_.store(between_steps, std::memory_order_relaxed);
+    requested_.store(requested, std::memory_order_release);
+  }
   static_assert(std::atomic<bool>::is_always_lock_free);
-  std::atomic<bool> requested_ = false, suspended_ = false;
+  std::atomic<bool> requested_ = false, between_steps_ = false, suspended_ = false;
   std::function<void()> poll_;
   std::thread::id poller_;
   Clock::duration interval_{};

@@ -141,9 +141,19 @@ void Executor::synchronize() {
 
 void Executor::throw_if_cancelled() {
   if (!on_device()) return team_.throw_if_cancelled();
-  if (!team_.is_cancelled()) return;
+  if (cancels_between_steps() || !team_.is_cancelled()) return;
   abandon_gpu();
   throw Cancelled();
+}
+
+/// Whether work on a GPU is requested to stop, but not within a step. Runs the poll function.
+bool Executor::cancels_between_steps() const {
+  Cancellation* const cancellation = suspensions_ > 0 ? nullptr : options_.cancellation;
+  return on_device() && cancellation != nullptr && cancellation->poll() && cancellation->between_steps();
+}
+
+void Executor::throw_if_cancelled_between_steps() const {
+  if (cancels_between_steps()) throw Cancelled();
 }
 
 bool Executor::interrupted() const { return team_.stopped(); }

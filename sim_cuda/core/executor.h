@@ -86,6 +86,9 @@ class Executor {
 
   /// Throws Cancelled if a cancellation was requested. For host work between stages.
   void throw_if_cancelled();
+  /// On a GPU, throws Cancelled if Cancellation::request_between_steps() was called. The executor remains
+  /// usable.
+  void throw_if_cancelled_between_steps() const;
   /// Whether work was cancelled since the last resume(). Buffers may then be incomplete, including buffers
   /// that outlive a step. On a GPU the executor is no longer usable.
   bool interrupted() const;
@@ -182,6 +185,7 @@ class Executor {
   /// Records one parallel loop of the stage in progress. `lanes`: lanes that share the items; 0: chunks.
   void count_loop(std::int64_t items, std::int64_t lanes);
   void suspend_cancellation(int more);
+  bool cancels_between_steps() const;
 
   ExecutorOptions options_;
   ThreadTeam team_;

@@ -11,27 +11,6 @@
 #include "sim_cuda/core/wall_clock.h"
 
 namespace collidoscope {
-namespace {
-
-template <class Item>
-std::int64_t list_bytes(const std::vector<Item>& list) {
-  return static_cast<std::int64_t>(list.size() * sizeof(Item));
-}
-
-std::int64_t bytes_of_state(const RunState& state) {
-  const WarmStart& warm_start = state.warm_start;
-  std::int64_t walls = 0;
-  for (const auto& wall : warm_start.walls) walls += list_bytes(wall);
-  const BodyStates& bodies = state.bodies;
-  return list_bytes(bodies.position) + list_bytes(bodies.velocity) + list_bytes(bodies.angular_velocity) +
-         list_bytes(bodies.orientation) + list_bytes(state.static_impulses) + list_bytes(state.frozen) +
-         list_bytes(warm_start.contacts) + walls + list_bytes(warm_start.friction) +
-         list_bytes(warm_start.wall_friction) + list_bytes(warm_start.rolling) +
-         list_bytes(warm_start.wall_rolling) + list_bytes(warm_start.sleep_timer) +
-         list_bytes(warm_start.joints) + list_bytes(warm_start.loop_energies);
-}
-
-}  // namespace
 
 std::int64_t Timeline::default_budget() {
   constexpr std::int64_t most = std::int64_t{1} << 30;
@@ -42,25 +21,35 @@ std::int64_t Timeline::default_budget() {
 
 Timeline::Timeline(std::int64_t budget) : budget_(budget) {}
 
-void Timeline::begin(World& world) {
+void Timeline::begin(World& world) { begin(Kept(*keyframe_of(world, true).kept)); }
+
+void Timeline::begin(Kept first) {
   keyframes_.clear();
   trail_.clear();
   hashes_.clear();
   bytes_ = 0;
   interval_ = keyframe_seconds;
-  add(keyframe_of(world, true));
+  add({std::make_shared<const Kept>(std::move(first)), true});
 }
 
 Timeline::Keyframe Timeline::keyframe_of(World& world, bool is_change) {
   const auto start = std::chrono::steady_clock::now();
-  Keyframe keyframe{std::make_shared<const SavedRun>(save_run(world)), 0, is_change};
-  keyframe.bytes = bytes_of_state(keyframe.saved->state);
+  // Scenes with many bodies are large. Only a change replaces the scene.
+  const auto scene = is_change ? std::make_shared<const Scene>(world.scene()) : keyframes_.back().kept->scene;
+  Keyframe keyframe{
+      std::make_shared<const Kept>(Kept{scene, CompactState(world.state()), world.state_hash()}), is_change};
   cost_ = seconds_since(start);
   return keyframe;
 }
 
 void Timeline::add(Keyframe keyframe) {
-  bytes_ += keyframe.bytes;
+  // The state before a change cannot be reached any more.
+  while (!keyframes_.empty() && keyframes_.back().state() == keyframe.state()) {
+    keyframe.is_change |= keyframes_.back().is_change;
+    bytes_ -= keyframes_.back().bytes();
+    keyframes_.pop_back();
+  }
+  bytes_ += keyframe.bytes();
   keyframes_.push_back(std::move(keyframe));
   seconds_ = 0;
   fit_budget();
@@ -81,7 +70,7 @@ void Timeline::fit_budget() {
 
 void Timeline::forget_oldest() {
   const std::int64_t before = first();
-  bytes_ -= keyframes_.front().bytes;
+  bytes_ -= keyframes_.front().bytes();
   keyframes_.erase(keyframes_.begin());
   keyframes_.front().is_change = true;
   hashes_.erase(hashes_.begin(), hashes_.begin() + (first() - before));
@@ -93,7 +82,7 @@ void Timeline::thin_out() {
   std::erase_if(keyframes_, [&](const Keyframe& keyframe) {
     if (keyframe.is_change) return false;
     keep = !keep;
-    if (!keep) bytes_ -= keyframe.bytes;
+    if (!keep) bytes_ -= keyframe.bytes();
     return !keep;
   });
   interval_ *= 2;
@@ -108,30 +97,17 @@ void Timeline::record_step(World& world, double seconds) {
 
 void Timeline::record_change(World& world) {
   trail_.clear();
-  Keyframe keyframe = keyframe_of(world, true);
-  // The state before the change cannot be reached any more.
-  while (!keyframes_.empty() && keyframes_.back().state() == world.steps()) {
-    bytes_ -= keyframes_.back().bytes;
-    keyframes_.pop_back();
-  }
-  add(std::move(keyframe));
+  add(keyframe_of(world, true));
 }
 
 void Timeline::forget_after(std::int64_t step) {
   trail_.clear();
   hashes_.resize(static_cast<std::size_t>(step - first()));
   while (keyframes_.back().state() > step) {
-    bytes_ -= keyframes_.back().bytes;
+    bytes_ -= keyframes_.back().bytes();
     keyframes_.pop_back();
   }
   seconds_ = 0;
-}
-
-std::vector<std::int64_t> Timeline::changes() const {
-  std::vector<std::int64_t> steps;
-  for (std::size_t k = 1; k < keyframes_.size(); ++k)
-    if (keyframes_[k].is_change) steps.push_back(keyframes_[k].state());
-  return steps;
 }
 
 std::vector<Timeline::Keyframe>::const_iterator Timeline::keyframe_at_or_before(std::int64_t step) const {
@@ -147,23 +123,27 @@ bool Timeline::is_change(std::int64_t step) const {
 
 std::unique_ptr<World> Timeline::world_at(std::int64_t step, const RunOptions& options) {
   const Keyframe& keyframe = *keyframe_at_or_before(step);
-  std::shared_ptr<const SavedRun> from = keyframe.saved;
+  std::shared_ptr<const Kept> from = keyframe.kept;
   // A trail does not cross a change, since changes are keyframes.
-  for (const auto& saved : trail_)
-    if (saved->state.steps > from->state.steps && saved->state.steps <= step) from = saved;
+  for (const auto& kept : trail_)
+    if (kept->state.steps() > from->state.steps() && kept->state.steps() <= step) from = kept;
   constexpr std::int64_t near = 8;
   const bool descends = step < reached_ && reached_ - step <= near;
-  auto world = std::make_unique<World>(from->scene, options, &from->state);
+  const RunState start = from->state.state();
+  Scene scene = *from->scene;
+  disable_guards(scene.physics);  // bodies that they froze are in the keyframe of that state
+  auto world = std::make_unique<World>(scene, options, &start);
   const std::int64_t most =
-      std::clamp<std::int64_t>(budget_ / 10 / std::max<std::int64_t>(keyframe.bytes, 1), 2, 100);
-  std::vector<std::shared_ptr<const SavedRun>> trail;
+      std::clamp<std::int64_t>(budget_ / 10 / std::max<std::int64_t>(keyframe.bytes(), 1), 2, 100);
+  std::vector<std::shared_ptr<const Kept>> trail;
   // Up to the requested state, or to the first one that is kept.
   if (const std::int64_t to = descends ? step - most : step; world->steps() < to) {
     world->step(static_cast<int>(to - world->steps()));
     check(*world);
   }
   while (world->steps() < step) {
-    trail.push_back(std::make_shared<const SavedRun>(save_run(*world)));
+    trail.push_back(
+        std::make_shared<const Kept>(Kept{from->scene, CompactState(world->state()), world->state_hash()}));
     world->step();
     check(*world);
   }
@@ -175,12 +155,16 @@ std::unique_ptr<World> Timeline::world_at(std::int64_t step, const RunOptions& o
   return world;
 }
 
+std::uint64_t Timeline::hash_at(std::int64_t step) const {
+  return hashes_[static_cast<std::size_t>(step - first() - 1)];
+}
+
+bool Timeline::agrees(World& world) const { return hash_at(world.steps()) == world.state_hash(); }
+
 void Timeline::check(World& world) const {
-  const std::uint64_t recorded = hashes_[static_cast<std::size_t>(world.steps() - first() - 1)];
-  const std::uint64_t actual = world.state_hash();
-  if (recorded != actual)
+  if (!agrees(world))
     throw MachineError(fmt::format("state {} reached again has the hash {:016x}, before {:016x}",
-                                   world.steps(), actual, recorded));
+                                   world.steps(), world.state_hash(), hash_at(world.steps())));
 }
 
 }  // namespace collidoscope

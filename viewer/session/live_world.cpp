@@ -41,12 +41,17 @@ std::string restart_notice(const Change& change, const Scene& before, const Worl
 
 }  // namespace
 
-Settings settings_of(const World& world) {
-  const Scene& scene = world.scene();
-  Settings s{settings_of(scene, world.options()), {}};
-  if (scene.generators.size() != 1) s.generator.count = static_cast<std::int64_t>(world.initial().size());
-  if (world.effects().guards) s.guards = scene.physics.guards.value_or(ValidationSettings{}).on_failure;
+Settings settings_of(const Scene& scene, const RunOptions& options, std::int64_t bodies) {
+  Settings s{settings_of(scene, options), {}};
+  if (scene.generators.size() != 1) s.generator.count = bodies;
+  const Physics& physics = scene.physics;
+  if (physics.effects ? physics.effects->guards : physics.guards.has_value())
+    s.guards = physics.guards.value_or(ValidationSettings{}).on_failure;
   return s;
+}
+
+Settings settings_of(const World& world) {
+  return settings_of(world.scene(), world.options(), static_cast<std::int64_t>(world.initial().size()));
 }
 
 Change change_between(const Settings& now, const Settings& request) {
@@ -136,7 +141,7 @@ std::string LiveWorld::apply(const Settings& request, const RunState* rest, bool
     if (first) pending_.reset();
     throw;
   }
-  if (change.physical()) branch();
+  if (change.physical()) branch(world_->steps());
   last_id_map_ = std::move(ids);
   if (!first) {
     edited_ = pending_->edited;
@@ -192,7 +197,7 @@ std::string LiveWorld::apply(Change change) {
   RunOptions unused;
   BodyIdMap ids = apply_change(change, after, unused);
   std::unique_ptr<World> next = world_after_change(*world_, change, world_->options());
-  if (change.physical()) branch();
+  if (change.physical()) branch(world_->steps());
   last_id_map_ = std::move(ids);
   pending_.reset();
   if (is_recorded(change)) record_change(changes_, change);
@@ -273,7 +278,7 @@ void LiveWorld::restart(const RunState* rest) {
     HardCaseSimulation again(script_.scene, script_.options, script_.changes);
     return open(std::move(again.world()), Script(script_));
   }
-  branch();
+  branch(world_->steps());
   replace(std::make_unique<World>(Scene(world_->scene()), RunOptions(world_->options()), rest));
   pending_.reset();
   record_restart(changes_);
@@ -290,16 +295,31 @@ void LiveWorld::restart(const RunState* rest) {
 
 bool LiveWorld::step(bool measured) {
   const std::int64_t before = world_->steps();
-  if (before < timeline_.last()) return step_through_past();
   const std::vector<std::uint32_t> frozen = world_->validation().frozen();
   const Clock::time_point start = Clock::now();
   world_->step();
   const double seconds = seconds_since(start);
   stats_known_ = hash_known_ = false;
+  const bool paused = world_->steps() == before;  // by a guard
+  const bool freezes = world_->validation().frozen().size() > frozen.size();
+  if (before < timeline_.last()) {
+    if (!freezes) return !paused && pass_known_state(measured);
+    // Guards that were off before can freeze other bodies now.
+    if (!paused && timeline_.agrees(*world_)) return pass_known_state(measured);
+    branch(before);
+  }
   pending_.reset();
-  if (world_->validation().frozen().size() > frozen.size()) record_frozen(frozen, before);
-  if (world_->steps() == before) return false;  // paused by a guard
-  timeline_.record_step(*world_, seconds);
+  if (freezes) record_frozen(frozen, before);
+  if (!paused) timeline_.record_step(*world_, seconds);
+  if (freezes) timeline_.record_change(*world_);
+  if (paused) return false;
+  note_step(measured);
+  play_script();
+  return true;
+}
+
+/// Adds a state, after a step, to the history and the lanes.
+void LiveWorld::note_step(bool measured) {
   record_step(*world_, measured ? &stats() : nullptr, history_);
   const HistoryStep& last = history_[history_.size() - 1];
   constexpr float none = std::numeric_limits<float>::quiet_NaN();
@@ -307,8 +327,6 @@ bool LiveWorld::step(bool measured) {
   lanes_.add(last.step, {measured ? static_cast<float>(last.stats.energy()) : none,
                          measured ? static_cast<float>(last.stats.touching) : none,
                          ms >= 0 ? static_cast<float>(ms) : none});
-  play_script();
-  return true;
 }
 
 /// Records bodies that guards have frozen. They are frozen in the state before the repeated step.

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sim_cuda/changes/changes_file.h"
-#include "sim_cuda/recording/timeline.h"
+#include "sim_cuda/recording/recorded_run.h"
 #include "sim_cuda/run/history.h"
 #include "sim_cuda/run/run_lanes.h"
 #include "sim_cuda/world.h"
@@ -19,6 +19,8 @@ namespace collidoscope {
 
 /// The present settings of a World.
 Settings settings_of(const World& world);
+/// Those of a scene. `bodies`: their number, if the scene has not one generator.
+Settings settings_of(const Scene& scene, const RunOptions& options, std::int64_t bodies);
 
 class LiveWorld {
  public:
@@ -74,6 +76,8 @@ class LiveWorld {
   Record record() const { return {changes_, first_scene_, first_settings_, began_, edited_}; }
   /// Restores a run and its record of changes.
   void open(World world, Record record);
+  /// Takes over the states and changes of a recorded run. Precondition: the world is at one of its states.
+  void take_recording(RecordedRun run);
   bool scripted() const { return !script_.changes.empty(); }
   /// Restarts at state 0 with the present settings.
   void restart(const RunState* rest = nullptr);
@@ -128,9 +132,10 @@ class LiveWorld {
   void replace(std::unique_ptr<World> world);
   void play_script();
   void set_guards(std::optional<OnFailure> request);
-  void branch();
+  void branch(std::int64_t now);
   void forget_other_run();
-  bool step_through_past();
+  bool pass_known_state(bool measured);
+  void note_step(bool measured);
 
   std::unique_ptr<World> world_;
   History history_;

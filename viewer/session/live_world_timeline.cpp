@@ -31,9 +31,8 @@ void LiveWorld::go_to(std::int64_t step) {
   if (settings().guards != guards) set_guards(guards);
 }
 
-/// Before a change: keeps the run as another one, and drops the states after the present one.
-void LiveWorld::branch() {
-  const std::int64_t now = world_->steps();
+/// Before a change at state `now`: keeps the run as another one, and drops the states after it.
+void LiveWorld::branch(std::int64_t now) {
   if (now >= timeline_.last()) return;
   if (!scripted()) {
     other_ =
@@ -94,13 +93,27 @@ void LiveWorld::mark(TimelineMark::Kind kind, const std::string& text) {
   if (std::ranges::none_of(found_, known)) found_.push_back({kind, state, text});
 }
 
-bool LiveWorld::step_through_past() {
-  const std::int64_t before = world_->steps();
-  world_->step();
-  stats_known_ = hash_known_ = false;
-  if (world_->steps() == before) return false;
-  timeline_.check(*world_);
-  if (timeline_.is_change(world_->steps())) go_to(world_->steps());
+void LiveWorld::take_recording(RecordedRun run) {
+  const Timeline::Kept& first = *run.timeline.keyframes().front().kept;
+  first_scene_ = *first.scene;
+  first_settings_ =
+      settings_of(first_scene_, world_->options(), std::ssize(first.state.state().bodies.position));
+  timeline_ = std::move(run.timeline);
+  changes_ = std::move(run.changes);
+  began_ = timeline_.first();
+  edited_ = !changes_.empty();
+  lanes_.begin(began_);
+}
+
+/// After a step to a known state. Adds it to the history and the lanes if they have not come so far, as in a
+/// run that was read from a file. A state with a change is not compared: guards may have frozen bodies there.
+bool LiveWorld::pass_known_state(bool measured) {
+  const std::int64_t now = world_->steps();
+  if (timeline_.is_change(now))
+    go_to(now);
+  else
+    timeline_.check(*world_);
+  if (history_.size() == 0 || history_[history_.size() - 1].step < now) note_step(measured);
   return true;
 }
 
