@@ -18,6 +18,7 @@
 #include "headless/replay.h"
 #include "headless/run.h"
 #include "headless/stability/stability.h"
+#include "headless/tune.h"
 
 namespace collidoscope {
 namespace {
@@ -51,6 +52,8 @@ int perform(const CommandLine& line) {
       return accuracy_command(line);
     case Command::stability:
       return stability_command(line);
+    case Command::tune:
+      return interruptible(line, tune_command);
     case Command::view:
       break;  // not reachable from the command line
   }

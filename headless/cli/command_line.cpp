@@ -63,7 +63,8 @@ const std::vector<CommandInfo>& commands() {
       {"stability",
        Command::stability,
        "stress-test suite over all solvers and precisions",
-       {{"CASE", "name of a case [all]", false, true}}}};
+       {{"CASE", "name of a case [all]", false, true}}},
+      {"tune", Command::tune, "measure launch shapes (B, T) and find the fastest", {scene_operand}}};
   return every;
 }
 
@@ -312,8 +313,9 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments, std::s
   CommandLine answer;
   answer.text = first == "help" ? help_of(app) : parse(app, {first});
   if (answer.text.empty())
-    throw InputError((first.empty() ? "missing command" : shown(first) + ": unknown command") +
-                     ", expected run, replay, capture, compare, bvh, bench, accuracy, stability or --help");
+    throw InputError(
+        (first.empty() ? "missing command" : shown(first) + ": unknown command") +
+        ", expected run, replay, capture, compare, bvh, bench, accuracy, stability, tune or --help");
   return answer;
 }
 

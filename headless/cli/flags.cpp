@@ -21,12 +21,13 @@ namespace {
 constexpr unsigned running = bit(Command::run), capturing = bit(Command::capture);
 constexpr unsigned viewing = bit(Command::view), benching = bit(Command::bench), grading = bit(Command::bvh);
 constexpr unsigned studying = bit(Command::accuracy), testing = bit(Command::stability);
+constexpr unsigned tuning = bit(Command::tune);
 constexpr unsigned drawing = capturing | viewing | benching,
-                   stepping = running | drawing | grading | studying;
+                   stepping = running | drawing | grading | studying | tuning;
 constexpr unsigned replaying = bit(Command::replay);
 constexpr unsigned guarding = running | capturing | viewing;
 constexpr unsigned reporting = running | bit(Command::replay) | capturing | benching | grading | studying |
-                               testing | bit(Command::compare);
+                               testing | tuning | bit(Command::compare);
 
 /// S, or 1/n.
 std::optional<TimeStep> parse_time_step(FlagValue& value) {
@@ -251,8 +252,8 @@ std::vector<Flag> all_flags() {
       {{"--break", "LIST",
         "stop conditions, such as non-finite,energy-rise=5,penetration=0.1,speed=100,stage-ms=20,escaped",
         parsed<parse_break_conditions, &Options::breaks>}});
-  add("Simulation", running | viewing | grading,
-      {{"--steps", "K", "number of steps [300; bvh: 0]; the viewer pauses at this state", steps}});
+  add("Simulation", running | viewing | grading | tuning,
+      {{"--steps", "K", "number of steps [300; bvh: 0; tune: 60]; the viewer pauses at this state", steps}});
   add("Execution", stepping | testing | replaying,
       {{"--allow-large", "", "allow steps to use all available memory (default: 80 %)",
         on<run, &RunOptions::allow_large>}});
@@ -315,6 +316,10 @@ std::vector<Flag> all_flags() {
         [](FlagValue& value, Options& options) {
           options.accuracy.seconds = value.number(1e-6, 1e6, "s").value_or(0);
         }}});
+  add("Launch tuning", tuning,
+      {{"--budget", "S", "s: time of all measurements together [20]", [](FlagValue& value, Options& options) {
+          options.tune.budget = value.number(0.1, 1e5, "s").value_or(0);
+        }}});
   add("Stability tests", testing,
       {{"--extended", "", "run the long variants of the cases", on<stability, &StabilityOptions::extended>},
        {"--inject-faults", "", "run the injected-fault self-tests instead of the test cases",
@@ -336,7 +341,7 @@ std::vector<Flag> all_flags() {
         on<&Options::view, &ViewRequest::reset_ui>},
        {"--automation", "FILE", "write one JSON line for each frame: state, positions of widgets",
         file<&Options::view, &ViewRequest::automation>}});
-  add("Snapshots, changes, recordings", running | capturing | viewing,
+  add("Snapshots, changes, recordings", running | capturing | viewing | tuning,
       {{"--load", "FILE", "continue from a snapshot or the end of a recording; replaces SCENE",
         file<&Options::load>}});
   add("Snapshots, changes, recordings", running,

@@ -18,7 +18,7 @@
 namespace collidoscope {
 
 /// `view` is what the desktop program does; it has no word on the command line.
-enum class Command { run, replay, capture, compare, bvh, bench, accuracy, stability, view };
+enum class Command { run, replay, capture, compare, bvh, bench, accuracy, stability, tune, view };
 
 /// What only the desktop program takes.
 struct ViewRequest {
@@ -60,6 +60,11 @@ struct StabilityOptions {
   std::vector<std::string> from;  ///< files of --json that the table is made of
 };
 
+/// What only `tune` takes.
+struct TuneOptions {
+  double budget = 20;  ///< s, of all measurements together
+};
+
 struct Options {
   RunOptions run;
   Overrides overrides;
@@ -79,6 +84,7 @@ struct Options {
   BenchRequest bench;
   AccuracyOptions accuracy;
   StabilityOptions stability;
+  TuneOptions tune;
 
   std::int64_t steps_or(std::int64_t otherwise) const { return steps.value_or(otherwise); }
 };

@@ -24,20 +24,32 @@ constexpr auto flag_commands = std::to_array<FlagCommand>({{Command::run, "`run`
                                                            {Command::bench, "`bench`"},
                                                            {Command::accuracy, "`accuracy`"},
                                                            {Command::stability, "`stability`"},
+                                                           {Command::tune, "`tune`"},
                                                            {Command::compare, "`compare`"},
                                                            {Command::view, "the viewer"}});
 
 constexpr unsigned drawing_commands = bit(Command::capture) | bit(Command::bench) | bit(Command::view);
 constexpr unsigned measuring_commands = bit(Command::bench) | bit(Command::bvh) | bit(Command::accuracy);
-constexpr unsigned stepping_commands = bit(Command::run) | drawing_commands | measuring_commands;
+constexpr unsigned stepping_commands =
+    bit(Command::run) | drawing_commands | measuring_commands | bit(Command::tune);
 
 struct FlagGroup {
   std::string_view heading;
   unsigned commands;  ///< that take its flags if their row names no others
 };
-enum FlagGroupIndex { simulation, execution, of_run, pictures, measurements, of_stability, of_viewer };
+enum FlagGroupIndex {
+  simulation,
+  execution,
+  of_run,
+  pictures,
+  measurements,
+  of_stability,
+  of_tune,
+  of_viewer
+};
 constexpr auto flag_groups = std::to_array<FlagGroup>({
-    {"**Simulation** (`run`, `capture`, `bvh`, `bench`, `accuracy` and the viewer). These change the result "
+    {"**Simulation** (`run`, `capture`, `bvh`, `bench`, `accuracy`, `tune` and the viewer). These change the "
+     "result "
      "and override the scene.",
      stepping_commands},
     {"**Execution** (the same commands, and `replay`). These never change the result.",
@@ -46,6 +58,7 @@ constexpr auto flag_groups = std::to_array<FlagGroup>({
     {"**Pictures** (`capture`, `bench frames` and the viewer)", drawing_commands},
     {"**Measurements** (`bench`, `bvh`, `accuracy`)", measuring_commands},
     {"**`stability`**", bit(Command::stability)},
+    {"**`tune`**", bit(Command::tune)},
     {"**Viewer** (`collidoscope`)", bit(Command::view)},
 });
 
@@ -56,6 +69,7 @@ FlagGroupIndex group_of_plain(const Flag& flag) {
   if (takes_any(flag, bit(Command::run))) return of_run;
   if (takes_any(flag, bit(Command::capture))) return pictures;
   if (takes_any(flag, measuring_commands)) return measurements;
+  if (takes_any(flag, bit(Command::tune))) return of_tune;
   return takes_any(flag, bit(Command::stability)) ? of_stability : of_viewer;
 }
 
@@ -111,10 +125,7 @@ std::string flags_reference() {
     settings[flag_name(setting.name)] = {is_physical(setting) ? simulation : execution,
                                          meaning_of_setting(setting)};
   });
-  std::array<MarkdownTable, flag_groups.size()> tables{
-      MarkdownTable{"flag", "meaning"}, MarkdownTable{"flag", "meaning"}, MarkdownTable{"flag", "meaning"},
-      MarkdownTable{"flag", "meaning"}, MarkdownTable{"flag", "meaning"}, MarkdownTable{"flag", "meaning"},
-      MarkdownTable{"flag", "meaning"}};
+  std::vector<MarkdownTable> tables(flag_groups.size(), MarkdownTable{"flag", "meaning"});
   for (const Flag& flag : flags()) {
     const auto setting = settings.find(flag.name);
     const bool is_setting = setting != settings.end();

@@ -1,0 +1,138 @@
+#include "sim_cuda/tuning/launch_tuner.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/core/wall_clock.h"
+
+namespace collidoscope {
+namespace {
+
+/// Steps of a measurement: one timed as a whole, and one timed by stage.
+constexpr int steps_of_pair = 2;
+
+/// Share of the budget for the search; the rest is for the confirmation.
+constexpr double search_share = 0.75;
+
+template <class Number>
+double median_of(std::vector<Number> samples) {
+  if (samples.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+  std::ranges::nth_element(samples, middle);
+  return static_cast<double>(*middle);
+}
+
+std::vector<int> powers_of_two(int first, std::int64_t last) {
+  std::vector<int> powers;
+  for (std::int64_t power = first; power <= last; power *= 2) powers.push_back(static_cast<int>(power));
+  return powers;
+}
+
+RunOptions with_shape(RunOptions options, LaunchShape shape) {
+  options.shape = shape;
+  return options;
+}
+
+}  // namespace
+
+LaunchAxes launch_axes(bool on_gpu, std::int64_t bodies) {
+  if (!on_gpu) return {powers_of_two(1, std::clamp<std::int64_t>(bodies / 8, 1, 1024)), {1, 4, 16, 64}, 1};
+  return {powers_of_two(1, std::clamp<std::int64_t>((bodies + 31) / 32, 1, 65536)), powers_of_two(32, 1024),
+          32};
+}
+
+LaunchTuner::LaunchTuner(World& world, double budget)
+    : scene_(world.scene()),
+      state_(world.state()),
+      shape_(world.launch_shape()),
+      budget_(budget),
+      reference_(scene_, with_shape(world.options(), shape_), &state_),
+      candidate_(scene_, with_shape(world.options(), shape_), &state_),
+      search_([&] {
+        const LaunchAxes axes = launch_axes(world.info().on_gpu, std::ssize(world.initial().radius));
+        return LaunchSearch(axes.blocks, axes.threads, axes.thread_unit);
+      }()),
+      hash_([](World& w) { return w.state_hash(); }) {}
+
+void LaunchTuner::advance(double milliseconds) {
+  const Clock::time_point start = Clock::now();
+  while (!done_) {
+    const Clock::time_point before = Clock::now();
+    ends_ =
+        before + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(budget_ - spent_));
+    if (spent_ > search_share * budget_) search_.hurry();
+    const std::optional<LaunchSearch::Task> task = search_.next();
+    if (task)
+      measure(*task);
+    else
+      done_ = true;
+    spent_ += seconds_since(before);
+    if (1e3 * seconds_since(start) >= milliseconds) return;
+  }
+}
+
+void LaunchTuner::measure(const LaunchSearch::Task& task) {
+  const LaunchShape shape = search_.cells()[task.cell].shape;
+  try {
+    candidate_.set_launch_shape(shape);
+    candidate_.restore(state_);
+    // The first steps after a change make graphs and fill caches.
+    candidate_.step(steps_of_pair);
+  } catch (const MachineError& error) {
+    return search_.exclude(task.cell, LaunchCell::State::infeasible, error.what());
+  }
+  reference_.restore(state_);
+  reference_.step(steps_of_pair);
+  for (int pair = 0; pair < task.pairs; ++pair) {
+    const bool first = pair % 2 == 0;
+    double reference_ms = first ? time_steps(reference_) : 0;
+    const double ms = time_steps(candidate_);
+    if (!first) reference_ms = time_steps(reference_);
+    search_.add(task.cell, ms, reference_ms);
+    reference_ms_.push_back(reference_ms);
+    note_stages(reference_, 0);
+    note_stages(candidate_, task.cell + 1);
+    if (Clock::now() > ends_) break;
+  }
+  const std::uint64_t expected = hash_(reference_), actual = hash_(candidate_);
+  if (actual != expected)
+    search_.exclude(
+        task.cell, LaunchCell::State::wrong,
+        fmt::format("state {}: hash {:016x}, expected {:016x}", candidate_.steps(), actual, expected));
+}
+
+double LaunchTuner::time_steps(World& world) {
+  const Clock::time_point start = Clock::now();
+  world.step(steps_of_pair);
+  return 1e3 * seconds_since(start) / steps_of_pair;
+}
+
+void LaunchTuner::note_stages(const World& world, std::size_t column) {
+  for (const StageTime& stage : world.latest_times().stages) {
+    auto found = std::ranges::find(stages_, stage.name, &StageSamples::name);
+    if (found == stages_.end()) found = stages_.insert(found, {stage.name, false, {}});
+    found->obeys |= stage.launch.threads > 0 && !stage.library_launch;
+    if (found->ms.size() <= column) found->ms.resize(column + 1);
+    found->ms[column].push_back(static_cast<float>(stage.last_ms));
+  }
+}
+
+double LaunchTuner::reference_ms() const { return median_of(reference_ms_); }
+
+std::vector<LaunchTuner::Stage> LaunchTuner::stages() const {
+  std::vector<Stage> result;
+  for (const StageSamples& samples : stages_) {
+    Stage stage{samples.name, samples.obeys, 0, {}};
+    stage.cell_ms.assign(search_.cells().size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t column = 0; column < samples.ms.size(); ++column)
+      (column == 0 ? stage.reference_ms : stage.cell_ms[column - 1]) = median_of(samples.ms[column]);
+    result.push_back(std::move(stage));
+  }
+  return result;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,76 @@
+#pragma once
+// Measures launch shapes (B, T) of a run. Two worlds start from copies of one state: the reference with the
+// present shape, the other with the shape of a cell. They make the same steps in turns, and must reach the
+// same state hash. The measured run itself is only read.
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim_cuda/run/run_state.h"
+#include "sim_cuda/tuning/launch_search.h"
+#include "sim_cuda/world.h"
+
+namespace collidoscope {
+
+/// Values of B and T of the map for a device. GPU: T from 32 to 1024. CPU: B * T lanes share the items.
+struct LaunchAxes {
+  std::vector<int> blocks, threads;
+  int thread_unit;
+};
+LaunchAxes launch_axes(bool on_gpu, std::int64_t bodies);
+
+class LaunchTuner {
+ public:
+  /// Copies the present state. `budget`: s, of all measurements together. Throws as World does.
+  LaunchTuner(World& world, double budget);
+
+  /// Measures for about `milliseconds`, and at least one cell. Throws Cancelled; it can go on afterwards.
+  void advance(double milliseconds);
+  bool done() const { return done_; }
+
+  const LaunchSearch& search() const { return search_; }
+  LaunchShape reference() const { return shape_; }  ///< 0: automatic
+  double spent() const { return spent_; }           ///< s
+  /// Median times of the reference: of a step, ms, and of each stage.
+  double reference_ms() const;
+
+  struct Stage {
+    std::string name;
+    bool obeys = false;           ///< (B, T); the others are launched by libraries
+    double reference_ms = 0;      ///< median
+    std::vector<double> cell_ms;  ///< median, by cell of search().cells(); NaN: not measured
+  };
+  std::vector<Stage> stages() const;
+
+  /// Replaces World::state_hash(). For tests.
+  void set_hash(std::function<std::uint64_t(World&)> hash) { hash_ = std::move(hash); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void measure(const LaunchSearch::Task& task);
+  double time_steps(World& world);
+  void note_stages(const World& world, std::size_t column);
+
+  Scene scene_;
+  RunState state_;
+  LaunchShape shape_;
+  double budget_, spent_ = 0;
+  World reference_, candidate_;
+  LaunchSearch search_;
+  std::function<std::uint64_t(World&)> hash_;
+  bool done_ = false;
+  Clock::time_point ends_;  ///< of the budget
+  std::vector<double> reference_ms_;
+  struct StageSamples {
+    std::string name;
+    bool obeys;
+    std::vector<std::vector<float>> ms;  ///< column 0: the reference; then by cell
+  };
+  std::vector<StageSamples> stages_;
+};
+
+}  // namespace collidoscope

@@ -1,0 +1,151 @@
+// Tests the search for the fastest launch shape: on invented times with a known optimum, and on worlds.
+
+#include "sim_cuda/tuning/launch_tuner.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/executors.h"
+#include "tests/scenes.h"
+
+namespace collidoscope {
+namespace {
+
+/// Invented times of a step, ms, with noise that has outliers.
+struct InventedTimes {
+  double best_blocks, best_threads;  ///< log2
+  double noise;                      ///< relative
+  std::mt19937 random{7};
+
+  double exact(LaunchShape shape) const {
+    const double b = std::log2(shape.blocks) - best_blocks, t = std::log2(shape.threads) - best_threads;
+    // Flat near the best, and steep with too few threads.
+    return 1 + 0.02 * b * b + 0.03 * t * t + (b + t < -3 ? 2 * (-3 - b - t) : 0);
+  }
+  double measured(double ms) {
+    std::normal_distribution<double> spread(0, noise);
+    std::uniform_real_distribution<double> chance(0, 1);
+    return ms * (1 + std::abs(spread(random))) * (chance(random) < 0.05 ? 1.5 : 1);
+  }
+};
+
+LaunchSearch searched(InventedTimes times, int& pairs) {
+  LaunchSearch search({1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024}, {32, 64, 128, 256, 512, 1024}, 32);
+  pairs = 0;
+  while (const auto task = search.next())
+    for (int pair = 0; pair < task->pairs; ++pair, ++pairs)
+      search.add(task->cell, times.measured(times.exact(search.cells()[task->cell].shape)),
+                 times.measured(1.1));
+  return search;
+}
+
+TEST(LaunchSearch, FindsTheBestShapeWithin2Percent) {
+  for (const double blocks : {3.0, 7.0, 9.6})
+    for (const double threads : {6.0, 8.0})
+      for (const double noise : {0.001, 0.02, 0.05}) {
+        const InventedTimes times{blocks, threads, noise};
+        int pairs = 0;
+        const LaunchSearch search = searched(times, pairs);
+        const std::size_t chosen = search.chosen().value();
+        EXPECT_LT(times.exact(search.cells()[chosen].shape), 1.02 + noise / 4)
+            << blocks << ' ' << threads << ' ' << noise;
+        // All 66 cells with the pairs of the finalists would be 66 * 62.
+        EXPECT_LT(pairs, 66 * 62 / 4);
+        const RatioEstimate confirmed = search.confirmation();
+        EXPECT_EQ(confirmed.pairs, LaunchSearch::fresh_pairs);
+        EXPECT_LT(confirmed.high, 1) << "at least 7 % faster than the reference";
+        EXPECT_THAT(search.plateau(), testing::Contains(chosen));
+      }
+}
+
+TEST(LaunchSearch, LeavesOutShapesWithFewThreads) {
+  int pairs = 0;
+  const LaunchSearch search = searched({9, 8, 0.01}, pairs);
+  const auto one = std::ranges::find(search.cells(), LaunchShape{1, 32}, &LaunchCell::shape);
+  EXPECT_EQ(one->state, LaunchCell::State::left_out);
+  EXPECT_TRUE(one->ratios.empty());
+  EXPECT_THAT(one->reason, testing::HasSubstr("much slower"));
+}
+
+TEST(LaunchSearch, EndsWithoutAFeasibleShape) {
+  LaunchSearch search({1, 2}, {32}, 32);
+  while (const auto task = search.next()) search.exclude(task->cell, LaunchCell::State::infeasible, "no");
+  EXPECT_FALSE(search.chosen());
+  EXPECT_TRUE(search.plateau().empty());
+}
+
+TEST(LaunchSearch, ConfirmsTheBestSoFarIfTimeIsShort) {
+  LaunchSearch search({1, 2, 4}, {32}, 32);
+  for (int k = 0; k < 2; ++k) {
+    const auto task = search.next();
+    for (int pair = 0; pair < task->pairs; ++pair) search.add(task->cell, k == 0 ? 2 : 1, 1);
+  }
+  search.hurry();
+  const auto task = search.next();
+  ASSERT_TRUE(task);
+  EXPECT_TRUE(search.confirming());
+  EXPECT_EQ(search.cells()[task->cell].shape, (LaunchShape{2, 32}));
+  for (int pair = 0; pair < task->pairs; ++pair) search.add(task->cell, 1, 2);
+  EXPECT_FALSE(search.next());
+  EXPECT_EQ(search.confirmation().ratio, 0.5);
+  EXPECT_EQ(search.cells()[task->cell].ratios.size(), 2u) << "the confirmation has fresh pairs";
+}
+
+class LaunchTuners : public OnEachExecutor {};
+ON_EACH_EXECUTOR(LaunchTuners);
+
+Scene tuned_scene() {
+  Scene scene = box_collider(300);
+  scene.physics.solver = Solver::soft_step;
+  scene.materials[0].friction = 0.3;
+  return scene;
+}
+
+TEST_P(LaunchTuners, MeasureAllShapesAndKeepTheirBudget) {
+  World world(tuned_scene(), options());
+  world.step(10);
+  const std::uint64_t hash = world.state_hash();
+  LaunchTuner tuner(world, 3);
+  while (!tuner.done()) tuner.advance(50);
+  EXPECT_LT(tuner.spent(), 3.5);
+  ASSERT_TRUE(tuner.search().chosen());
+  EXPECT_GT(tuner.search().confirmation().pairs, 5);
+  int measured = 0;
+  for (const LaunchCell& cell : tuner.search().cells()) {
+    measured += cell.state == LaunchCell::State::measured;
+    EXPECT_NE(cell.state, LaunchCell::State::wrong) << cell.reason;
+  }
+  EXPECT_GT(measured, 4);
+  EXPECT_GT(tuner.reference_ms(), 0);
+  const std::vector<LaunchTuner::Stage> stages = tuner.stages();
+  const auto solve = std::ranges::find(stages, "solve", &LaunchTuner::Stage::name);
+  ASSERT_NE(solve, stages.end());
+  EXPECT_TRUE(solve->obeys);
+  EXPECT_GT(solve->reference_ms, 0);
+  EXPECT_GT(solve->cell_ms[*tuner.search().chosen()], 0);
+  EXPECT_EQ(world.state_hash(), hash) << "the run is only read";
+  EXPECT_EQ(world.launch_shape(), LaunchShape{});
+}
+
+/// A shape that leads to another state is reported, and never chosen.
+TEST_P(LaunchTuners, ReportAnotherHash) {
+  World world(tuned_scene(), options());
+  LaunchTuner tuner(world, 2);
+  tuner.set_hash([](World& one) { return one.state_hash() ^ (one.launch_shape().threads == 64 ? 1u : 0u); });
+  while (!tuner.done()) tuner.advance(50);
+  int wrong = 0;
+  for (const LaunchCell& cell : tuner.search().cells()) {
+    if (cell.state != LaunchCell::State::wrong) continue;
+    ++wrong;
+    EXPECT_EQ(cell.shape.threads, 64);
+    EXPECT_THAT(cell.reason, testing::HasSubstr("expected"));
+  }
+  EXPECT_GT(wrong, 0);
+  ASSERT_TRUE(tuner.search().chosen());
+  EXPECT_NE(tuner.search().cells()[*tuner.search().chosen()].shape.threads, 64);
+}
+
+}  // namespace
+}  // namespace collidoscope
