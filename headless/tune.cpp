@@ -1,6 +1,7 @@
 #include "headless/tune.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -49,26 +50,18 @@ TuneJson estimate_json(const RatioEstimate& estimate) {
   return json;
 }
 
-/// What one shape for all stages loses: the stage's time at the chosen shape over its best time.
-struct StageLoss {
-  std::string name;
-  double reference_ms, chosen_ms, best_ms;
-  std::size_t best;
-};
+/// "solve=264x128,relax=528x64".
+std::string stage_shapes_text(const StageShapes& shapes) {
+  std::vector<std::string> parts;
+  for (const auto& [stage, shape] : shapes)
+    parts.push_back(fmt::format("{}={}x{}", stage, shape.blocks, shape.threads));
+  return fmt::format("{}", fmt::join(parts, ","));
+}
 
-std::vector<StageLoss> stage_losses(const LaunchTuner& tuner, std::size_t chosen) {
-  std::vector<StageLoss> losses;
-  for (const LaunchTuner::Stage& stage : tuner.stages()) {
-    if (!stage.obeys) continue;
-    StageLoss loss{stage.name, stage.reference_ms, stage.cell_ms[chosen], stage.cell_ms[chosen], chosen};
-    for (std::size_t cell = 0; cell < stage.cell_ms.size(); ++cell) {
-      // The median of two samples is too rough for a best value.
-      const bool known = tuner.search().cells()[cell].ratios.size() > LaunchSearch::first_pairs;
-      if (known && stage.cell_ms[cell] < loss.best_ms) loss.best_ms = stage.cell_ms[cell], loss.best = cell;
-    }
-    losses.push_back(loss);
-  }
-  return losses;
+double best_ms(const LaunchTuner& tuner, const LaunchTuner::Stage& stage, LaunchShape shape) {
+  const std::vector<LaunchCell>& cells = tuner.search().cells();
+  const auto cell = std::ranges::find(cells, shape, &LaunchCell::shape);
+  return stage.cell_ms[static_cast<std::size_t>(cell - cells.begin())];
 }
 
 TuneJson report_of(World& world, const LaunchTuner& tuner) {
@@ -101,15 +94,20 @@ TuneJson report_of(World& world, const LaunchTuner& tuner) {
                       {"threads", shape.threads},
                       {"confirmation", estimate_json(search.confirmation())},
                       {"verdict", verdict(search.confirmation(), shape_text(tuner.reference()))}};
+  const StageShapes best = tuner.stage_shapes();
   report["stages"] = TuneJson::array();
-  for (const StageLoss& loss : stage_losses(tuner, *chosen)) {
-    const LaunchShape best = search.cells()[loss.best].shape;
-    report["stages"].push_back({{"name", loss.name},
-                                {"reference_ms", loss.reference_ms},
-                                {"chosen_ms", loss.chosen_ms},
-                                {"best_ms", loss.best_ms},
-                                {"best", {best.blocks, best.threads}}});
+  for (const LaunchTuner::Stage& stage : tuner.stages()) {
+    if (!stage.obeys) continue;
+    TuneJson one{
+        {"name", stage.name}, {"reference_ms", stage.reference_ms}, {"chosen_ms", stage.cell_ms[*chosen]}};
+    if (const auto shape = std::ranges::find(best, stage.name, &StageShape::stage); shape != best.end()) {
+      one["best"] = {shape->shape.blocks, shape->shape.threads};
+      one["best_ms"] = best_ms(tuner, stage, shape->shape);
+    }
+    report["stages"].push_back(std::move(one));
   }
+  report["stage_shapes"] = {{"flag", stage_shapes_text(best)},
+                            {"confirmation", estimate_json(tuner.stage_confirmation())}};
   return report;
 }
 
@@ -158,17 +156,19 @@ std::string text_of(World& world, const LaunchTuner& tuner) {
   text += fmt::format("{}: {}; {}the centre of {} shapes that cannot be told apart; {:.1f} s\n\n",
                       shape_text(search.cells()[*chosen].shape), verdict(search.confirmation(), reference),
                       faster ? "" : "so keep " + reference + "; ", search.plateau().size(), tuner.spent());
-  text += fmt::format("{:<28}{:>10}{:>10}{:>10}  {}\n", "ms of a stage", reference, "chosen", "best",
+  text += fmt::format("{:<20}{:>10}{:>10}{:>10}  {}\n", "ms of a stage", "reference", "chosen", "best",
                       "best shape");
-  double at_chosen = 0, at_best = 0;
-  for (const StageLoss& loss : stage_losses(tuner, *chosen)) {
-    text += fmt::format("{:<28}{:>10.4f}{:>10.4f}{:>10.4f}  {}\n", loss.name, loss.reference_ms,
-                        loss.chosen_ms, loss.best_ms, shape_text(search.cells()[loss.best].shape));
-    at_chosen += loss.chosen_ms;
-    at_best += loss.best_ms;
+  const StageShapes best = tuner.stage_shapes();
+  for (const LaunchTuner::Stage& stage : tuner.stages()) {
+    if (!stage.obeys) continue;
+    text += fmt::format("{:<20}{:>10.4f}{:>10.4f}", stage.name, stage.reference_ms, stage.cell_ms[*chosen]);
+    if (const auto shape = std::ranges::find(best, stage.name, &StageShape::stage); shape != best.end())
+      text += fmt::format("{:>10.4f}  {}", best_ms(tuner, stage, shape->shape), shape_text(shape->shape));
+    text += '\n';
   }
-  return text + fmt::format("One shape for all stages takes {:.3f} ms, the best shape of each {:.3f} ms\n",
-                            at_chosen, at_best);
+  if (best.empty()) return text + "no stage is faster with another shape\n";
+  return text + fmt::format("the best shape of each stage: {}\n--stage-shapes {}\n",
+                            verdict(tuner.stage_confirmation(), reference), stage_shapes_text(best));
 }
 
 }  // namespace

@@ -56,6 +56,7 @@ void World::step(int count) {
   for (int k = 0; k < count && !run_->validation.paused(); ++k) {
     run_->executor.throw_if_cancelled_between_steps();
     run_->step(1);
+    run_->require_known_stages();
   }
 }
 std::int64_t World::steps() const { return run_->steps(); }
@@ -92,7 +93,12 @@ BodyReport World::inspect(std::uint32_t id) {
   return run_->pipeline().inspect(id, run_->level_ordered_tree());
 }
 
-void World::set_launch_shape(LaunchShape shape) { run_->set_launch_shape(shape); }
+void World::set_launch_shape(LaunchShape shape) {
+  run_->set_launch_shapes(shape, StageShapes(run_->options.stage_shapes));
+}
+void World::set_stage_shapes(const StageShapes& by_stage) {
+  run_->set_launch_shapes(run_->options.shape, by_stage);
+}
 LaunchShape World::launch_shape() const { return run_->options.shape; }
 
 namespace {

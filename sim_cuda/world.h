@@ -107,6 +107,9 @@ class World {
   /// then.
   void set_launch_shape(LaunchShape shape);
   LaunchShape launch_shape() const;  ///< as set; 0: automatic
+  /// Sets (B, T) of single stages, instead of launch_shape(). step() throws InputError if there is no stage
+  /// of such a name.
+  void set_stage_shapes(const StageShapes& by_stage);
   RunTimes times() const;
   /// times() without medians and percentiles, which are slow. For each frame of a live run.
   RunTimes latest_times() const;

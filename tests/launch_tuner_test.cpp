@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "sim_cuda/core/error.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
 
@@ -145,6 +146,51 @@ TEST_P(LaunchTuners, ReportAnotherHash) {
   EXPECT_GT(wrong, 0);
   ASSERT_TRUE(tuner.search().chosen());
   EXPECT_NE(tuner.search().cells()[*tuner.search().chosen()].shape.threads, 64);
+}
+
+TEST_P(LaunchTuners, MeasureTheBestShapeOfEachStage) {
+  World world(tuned_scene(), options());
+  LaunchTuner tuner(world, 4);
+  while (!tuner.done()) tuner.advance(50);
+  const StageShapes shapes = tuner.stage_shapes();
+  if (shapes.empty()) return;  // auto is the best of all
+  EXPECT_GT(tuner.stage_confirmation().pairs, 5);
+  World tuned(tuned_scene(), options());
+  tuned.set_stage_shapes(shapes);
+  tuned.step(12);
+  world.step(12);
+  EXPECT_EQ(tuned.state_hash(), world.state_hash());
+}
+
+TEST_P(LaunchTuners, ShapesOfStagesKeepTheState) {
+  World plain(tuned_scene(), options());
+  RunOptions shaped = options();
+  shaped.stage_shapes = {{"solve", {3, 32}}, {"pairs", {1, 64}}, {"relax", {0, 32}}, {"bounce", {7, 0}}};
+  World world(tuned_scene(), shaped);
+  plain.step(20);
+  world.step(20);
+  EXPECT_EQ(world.state_hash(), plain.state_hash());
+  const auto launch = [](const World& one, std::string_view stage) {
+    const std::vector<StageTime> stages = one.times().stages;
+    return std::ranges::find(stages, stage, &StageTime::name)->launch;
+  };
+  EXPECT_EQ(launch(world, "bounds").blocks, launch(plain, "bounds").blocks);
+  EXPECT_NE(launch(world, "pairs").blocks, launch(plain, "pairs").blocks);
+  // They stay when the shape of all others changes.
+  world.set_launch_shape({2, 32});
+  world.step(2);
+  plain.step(2);
+  EXPECT_EQ(world.state_hash(), plain.state_hash());
+  EXPECT_EQ(world.options().stage_shapes.size(), 4u);
+
+  World misspelt(tuned_scene(), [&] {
+    RunOptions wrong = options();
+    wrong.stage_shapes = {{"solv", {1, 32}}};
+    return wrong;
+  }());
+  EXPECT_THAT([&] { misspelt.step(); },
+              testing::ThrowsMessage<InputError>(
+                  testing::AllOf(testing::HasSubstr("solv: not a stage"), testing::HasSubstr("solve"))));
 }
 
 }  // namespace

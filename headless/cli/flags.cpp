@@ -56,6 +56,29 @@ std::optional<std::optional<Effects>> parse_effects(FlagValue& value) {
   return std::optional{effects};
 }
 
+/// NAME=BxT,... with 0 for an automatic B or T.
+std::optional<StageShapes> parse_stage_shapes(FlagValue& value) {
+  StageShapes shapes;
+  for (FlagValue& part : value.parts()) {
+    const std::string_view text = part.text();
+    const std::size_t equals = text.find('='), cross = text.find('x', equals == text.npos ? 0 : equals);
+    if (equals == text.npos || equals == 0 || cross == text.npos) {
+      part.refuse("STAGE=BxT, such as solve=264x128");
+      return std::nullopt;
+    }
+    const auto blocks = part.part(text.substr(equals + 1, cross - equals - 1)).whole(0, 2147483647);
+    const auto threads = part.part(text.substr(cross + 1)).whole(0, 1024);
+    if (!blocks || !threads) return std::nullopt;
+    shapes.push_back(
+        {std::string(text.substr(0, equals)), {static_cast<int>(*blocks), static_cast<int>(*threads)}});
+  }
+  return shapes;
+}
+
+void stage_shapes(FlagValue& value, Options& options) {
+  if (auto shapes = parse_stage_shapes(value)) options.run.stage_shapes = std::move(*shapes);
+}
+
 /// "impulse, soft_step or jacobi_split: contact solver".
 template <auto member>
 std::string help_of_flag(const Field<member>& setting) {
@@ -256,7 +279,9 @@ std::vector<Flag> all_flags() {
       {{"--steps", "K", "number of steps [300; bvh: 0; tune: 60]; the viewer pauses at this state", steps}});
   add("Execution", stepping | testing | replaying,
       {{"--allow-large", "", "allow steps to use all available memory (default: 80 %)",
-        on<run, &RunOptions::allow_large>}});
+        on<run, &RunOptions::allow_large>},
+       {"--stage-shapes", "LIST", "B and T of single stages, such as solve=264x128,relax=0x64; 0: auto",
+        stage_shapes}});
   add("Output", reporting,
       {{"--json", "FILE|-", "the report as JSON; -: on stdout, without other text", file<&Options::json>}});
   add("Output", running,

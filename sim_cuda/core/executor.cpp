@@ -32,7 +32,7 @@ Executor::Executor(const ExecutorOptions& options)
 #if SIM_CUDA
   if (on_device()) check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "create a stream");
 #endif
-  set_shape(options.shape);
+  set_shapes(options.shape, StageShapes(options.stage_shapes));
 }
 
 Executor::~Executor() {
@@ -41,7 +41,7 @@ Executor::~Executor() {
 #endif
 }
 
-void Executor::set_shape(LaunchShape shape) {
+void Executor::check_shape(LaunchShape shape) const {
   if (shape.blocks < 0 || shape.threads < 0 || shape.threads > 1024)
     throw InputError("launch shape: " + std::to_string(shape.blocks) + " blocks of " +
                      std::to_string(shape.threads) +
@@ -52,9 +52,17 @@ void Executor::set_shape(LaunchShape shape) {
                        std::to_string(shape.threads) + " threads; " + device_.name + " supports at most " +
                        std::to_string(device_.max_blocks) + " blocks of " +
                        std::to_string(device_.max_threads));
-  planner_.set_shape(shape);
+#endif
+}
+
+void Executor::set_shapes(LaunchShape shape, const StageShapes& by_stage) {
+  check_shape(shape);
+  for (const auto& [stage, one] : by_stage) check_shape(one);
+#if SIM_CUDA
+  planner_.set_shapes(shape, by_stage);
 #endif
   options_.shape = shape;
+  options_.stage_shapes = by_stage;
 }
 
 void Executor::reserve_call_stack([[maybe_unused]] std::size_t bytes) {
@@ -187,13 +195,13 @@ void Executor::count_loop(std::int64_t items, std::int64_t lanes) {
 }
 
 void Executor::run_loop(std::int64_t count, const void* stage, ItemLoop loop) {
-  const bool automatic = options_.shape.blocks == 0 || options_.shape.threads == 0;
+  const LaunchShape shape = shape_of_stage(stages_.stage(), options_.shape, options_.stage_shapes);
+  const bool automatic = shape.blocks == 0 || shape.threads == 0;
   if (automatic && options_.lane_order == LaneOrder::contiguous) {
     count_loop(count, 0);
     return run_in_chunks(team_, count, cpu_chunk, loop, stage);
   }
-  const std::int64_t requested =
-      automatic ? 64 : static_cast<std::int64_t>(options_.shape.blocks) * options_.shape.threads;
+  const std::int64_t requested = automatic ? 64 : static_cast<std::int64_t>(shape.blocks) * shape.threads;
   const std::int64_t lanes = std::min(requested, count);
   count_loop(count, lanes);
   run_in_lanes(team_, count, lanes, options_.lane_order, cpu_chunk, loop, stage);

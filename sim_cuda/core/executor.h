@@ -56,7 +56,7 @@ class Executor {
   ThreadTeam& team() { return team_; }
 
   /// Sets (B, T) for the stages enqueued afterwards. Throws MachineError if the device does not support it.
-  void set_shape(LaunchShape shape);
+  void set_shapes(LaunchShape shape, const StageShapes& by_stage);
 
   // Memory of this executor, on the device or the host. See MemorySpace.
   void* allocate(const char* name, std::size_t bytes) { return memory_.allocate(name, bytes); }
@@ -185,6 +185,7 @@ class Executor {
   /// Records one parallel loop of the stage in progress. `lanes`: lanes that share the items; 0: chunks.
   void count_loop(std::int64_t items, std::int64_t lanes);
   void suspend_cancellation(int more);
+  void check_shape(LaunchShape shape) const;
   bool cancels_between_steps() const;
 
   ExecutorOptions options_;

@@ -28,6 +28,7 @@ struct ExecutorOptions {
   int gpu = 0;          ///< device number, as in CUDA
   int cpu_threads = 0;  ///< 1 to 1024; 0: all hardware threads
   LaunchShape shape;
+  StageShapes stage_shapes;  ///< instead of `shape`; names of other stages have no effect
   LaneOrder lane_order = LaneOrder::contiguous;
   int key_bits = 0;  ///< Morton keys: 24, 30 or 63; 0: automatic, by scene (broad_phase/key_bits.h)
   SortMethod sort = SortMethod::automatic;

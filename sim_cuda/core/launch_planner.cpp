@@ -49,10 +49,11 @@ const LaunchPlanner::KernelFit& LaunchPlanner::kernel_fit(const void* kernel, in
 
 LaunchShape LaunchPlanner::choose_shape(const void* kernel, const char* name, std::int64_t items,
                                         bool at_once, SharedBytes shared) {
-  const KernelFit& fit = kernel_fit(kernel, requested_.threads, name, shared);
+  const LaunchShape requested = this->requested();
+  const KernelFit& fit = kernel_fit(kernel, requested.threads, name, shared);
   const std::int64_t needed = (items + fit.threads - 1) / fit.threads;
   const std::int64_t resident = std::int64_t{fit.resident_blocks} * device_.multiprocessors;
-  LaunchShape shape{requested_.blocks, fit.threads};
+  LaunchShape shape{requested.blocks, fit.threads};
   // One thread per item: the hardware starts a block as soon as another ends, which balances queries of
   // unequal length.
   if (shape.blocks == 0) shape.blocks = static_cast<int>(at_once ? std::min(needed, resident) : needed);
@@ -68,10 +69,11 @@ LaunchShape LaunchPlanner::choose_cooperative_shape(const void* kernel, const ch
                      shared = (items + blocks - 1) / blocks;
   const int usual = static_cast<int>(
       std::clamp<std::int64_t>((shared + 31) / 32 * 32, 64, device_.max_threads / blocks_per_multiprocessor));
-  const int threads = requested_.threads > 0 ? requested_.threads : usual;
+  const LaunchShape requested = this->requested();
+  const int threads = requested.threads > 0 ? requested.threads : usual;
   const KernelFit& fit = kernel_fit(kernel, threads, name, nullptr);
   const std::int64_t resident = std::int64_t{fit.resident_blocks} * device_.multiprocessors;
-  LaunchShape shape{requested_.blocks, threads};
+  LaunchShape shape{requested.blocks, threads};
   if (shape.blocks > resident) return {0, 0};
   if (shape.blocks == 0) shape.blocks = static_cast<int>(std::min((items + threads - 1) / threads, resident));
   note_shape(items, shape, fit);

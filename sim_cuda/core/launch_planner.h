@@ -22,8 +22,12 @@ class LaunchPlanner {
   /// Both must outlive this object. `stages` records each chosen shape.
   LaunchPlanner(const ComputeDevice& device, StageRecorder& stages);
 
-  /// Sets B and T; 0 is automatic. Precondition: both are within the limits of the device.
-  void set_shape(LaunchShape requested) { requested_ = requested; }
+  /// Sets B and T for all stages, and for single ones; 0 is automatic. Precondition: all are within the
+  /// limits of the device.
+  void set_shapes(LaunchShape requested, const StageShapes& by_stage) {
+    requested_ = requested;
+    by_stage_ = by_stage;
+  }
 
   /// (B, T) for a kernel with `items` items. `shared` may be null. Automatic B gives one thread per item;
   /// with `at_once`, at most as many blocks as run concurrently.
@@ -48,11 +52,13 @@ class LaunchPlanner {
   /// `threads` 0: selects the block size up to 128 with the most resident threads. Results are cached per
   /// kernel and block size.
   const KernelFit& kernel_fit(const void* kernel, int threads, const char* name, SharedBytes shared);
+  LaunchShape requested() const { return shape_of_stage(stages_.stage(), requested_, by_stage_); }
   void note_shape(std::int64_t items, LaunchShape shape, const KernelFit& fit);
 
   const ComputeDevice& device_;
   StageRecorder& stages_;
   LaunchShape requested_;
+  StageShapes by_stage_;
   std::map<std::pair<const void*, int>, KernelFit> fits_;
 };
 

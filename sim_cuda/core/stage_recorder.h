@@ -26,6 +26,8 @@ class StageRecorder {
   /// `library_launch`: (B, T) does not apply to the stage.
   void begin(const char* name, bool library_launch);
   void end();
+  /// The name of the stage in progress, or null.
+  const char* stage() const { return stage_; }
   /// Sets the substep index (from 0) of the stages that begin afterwards.
   void begin_substep(int substep) { substep_ = substep; }
   /// Calls `work`, and `ended` after each of its stages. `ended` is not called for stages that it begins.

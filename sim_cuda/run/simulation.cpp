@@ -1,10 +1,14 @@
 #include "sim_cuda/run/simulation.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <utility>
 
 #include "sim_cuda/broad_phase/key_bits.h"
 #include "sim_cuda/core/cancellation.h"
+#include "sim_cuda/core/error.h"
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/run/frozen.h"
@@ -79,10 +83,22 @@ void Simulation::replace_pipeline() {
   runner_.replace(std::move(next));
 }
 
-void Simulation::set_launch_shape(LaunchShape shape) {
-  executor.set_shape(shape);
+void Simulation::set_launch_shapes(LaunchShape shape, const StageShapes& by_stage) {
+  executor.set_shapes(shape, by_stage);
   options.shape = shape;
-  runner_.discard_graphs();  // recorded steps contain the old shape
+  options.stage_shapes = by_stage;
+  runner_.discard_graphs();  // recorded steps contain the old shapes
+}
+
+void Simulation::require_known_stages() {
+  if (knows_stages_ || options.stage_shapes.empty()) return;
+  std::vector<std::string> names;
+  for (const StageTime& stage : executor.clock().latest().stages) names.push_back(stage.name);
+  for (const auto& [stage, shape] : options.stage_shapes)
+    if (std::ranges::find(names, stage) == names.end())
+      throw InputError(fmt::format("stage shapes: {}: not a stage of this run, expected one of {}", stage,
+                                   fmt::join(names, ", ")));
+  knows_stages_ = true;
 }
 
 // ---- steps ----

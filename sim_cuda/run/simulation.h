@@ -35,8 +35,10 @@ class Simulation {
   RunState state();
   void restore(const RunState& other, const BodyIdMap& ids = {});
   void detect();
-  void set_launch_shape(LaunchShape shape);
+  void set_launch_shapes(LaunchShape shape, const StageShapes& by_stage);
   std::int64_t steps() const { return steps_; }
+  /// Throws InputError if RunOptions::stage_shapes names a stage that the steps so far do not have.
+  void require_known_stages();
   double time() const;
 
   /// True if the current state is the result of a step of this world.
@@ -84,6 +86,7 @@ class Simulation {
   BvhCache bvh_cache_;
   bool detected_ = false;  // pairs and contacts are those of the current state
   bool stepped_ = false;
+  bool knows_stages_ = false;  // require_known_stages() has passed
   StepRunner runner_;
 };
 

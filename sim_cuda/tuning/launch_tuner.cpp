@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "sim_cuda/core/error.h"
@@ -15,8 +16,8 @@ namespace {
 /// Steps of a measurement: one timed as a whole, and one timed by stage.
 constexpr int steps_of_pair = 2;
 
-/// Share of the budget for the search; the rest is for the confirmation.
-constexpr double search_share = 0.75;
+/// Share of the budget for the search; the rest is for the confirmations.
+constexpr double search_share = 0.6;
 
 template <class Number>
 double median_of(std::vector<Number> samples) {
@@ -66,43 +67,77 @@ void LaunchTuner::advance(double milliseconds) {
         before + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(budget_ - spent_));
     if (spent_ > search_share * budget_) search_.hurry();
     const std::optional<LaunchSearch::Task> task = search_.next();
-    if (task)
+    if (task) {
       measure(*task);
-    else
+    } else {
+      measure_stage_shapes();
       done_ = true;
+    }
     spent_ += seconds_since(before);
     if (1e3 * seconds_since(start) >= milliseconds) return;
   }
 }
 
 void LaunchTuner::measure(const LaunchSearch::Task& task) {
-  const LaunchShape shape = search_.cells()[task.cell].shape;
   try {
-    candidate_.set_launch_shape(shape);
-    candidate_.restore(state_);
-    // The first steps after a change make graphs and fill caches.
-    candidate_.step(steps_of_pair);
+    candidate_.set_launch_shape(search_.cells()[task.cell].shape);
+    const std::string difference = measure_pairs(task.pairs, [&](double ms, double reference_ms) {
+      search_.add(task.cell, ms, reference_ms);
+      reference_ms_.push_back(reference_ms);
+      note_stages(reference_, 0);
+      note_stages(candidate_, task.cell + 1);
+    });
+    if (!difference.empty()) search_.exclude(task.cell, LaunchCell::State::wrong, difference);
   } catch (const MachineError& error) {
-    return search_.exclude(task.cell, LaunchCell::State::infeasible, error.what());
+    search_.exclude(task.cell, LaunchCell::State::infeasible, error.what());
   }
-  reference_.restore(state_);
-  reference_.step(steps_of_pair);
-  for (int pair = 0; pair < task.pairs; ++pair) {
+}
+
+std::string LaunchTuner::measure_pairs(int pairs, const std::function<void(double, double)>& note) {
+  // The first steps after a change make graphs and fill caches.
+  for (World* world : {&candidate_, &reference_}) {
+    world->restore(state_);
+    world->step(steps_of_pair);
+  }
+  for (int pair = 0; pair < pairs && (pair == 0 || Clock::now() < ends_); ++pair) {
     const bool first = pair % 2 == 0;
     double reference_ms = first ? time_steps(reference_) : 0;
     const double ms = time_steps(candidate_);
     if (!first) reference_ms = time_steps(reference_);
-    search_.add(task.cell, ms, reference_ms);
-    reference_ms_.push_back(reference_ms);
-    note_stages(reference_, 0);
-    note_stages(candidate_, task.cell + 1);
-    if (Clock::now() > ends_) break;
+    note(ms, reference_ms);
   }
   const std::uint64_t expected = hash_(reference_), actual = hash_(candidate_);
-  if (actual != expected)
-    search_.exclude(
-        task.cell, LaunchCell::State::wrong,
-        fmt::format("state {}: hash {:016x}, expected {:016x}", candidate_.steps(), actual, expected));
+  if (actual == expected) return "";
+  return fmt::format("state {}: hash {:016x}, expected {:016x}", candidate_.steps(), actual, expected);
+}
+
+StageShapes LaunchTuner::stage_shapes() const {
+  StageShapes shapes;
+  for (const Stage& stage : stages()) {
+    if (!stage.obeys) continue;
+    double best = stage.reference_ms;
+    std::optional<LaunchShape> shape;
+    for (std::size_t cell = 0; cell < stage.cell_ms.size(); ++cell) {
+      const LaunchCell& one = search_.cells()[cell];
+      // The median of two samples is too rough.
+      if (one.state != LaunchCell::State::measured || std::ssize(one.ratios) <= LaunchSearch::first_pairs ||
+          !(stage.cell_ms[cell] < best))
+        continue;
+      best = stage.cell_ms[cell];
+      shape = one.shape;
+    }
+    if (shape) shapes.push_back({stage.name, *shape});
+  }
+  return shapes;
+}
+
+void LaunchTuner::measure_stage_shapes() {
+  const StageShapes shapes = stage_shapes();
+  if (shapes.empty()) return;
+  candidate_.set_launch_shape(shape_);
+  candidate_.set_stage_shapes(shapes);
+  measure_pairs(LaunchSearch::fresh_pairs,
+                [&](double ms, double reference_ms) { stage_ratios_.push_back(ms / reference_ms); });
 }
 
 double LaunchTuner::time_steps(World& world) {

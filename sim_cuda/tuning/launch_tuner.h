@@ -46,12 +46,20 @@ class LaunchTuner {
   };
   std::vector<Stage> stages() const;
 
+  /// The best shape of each stage that obeys (B, T), if its time is below that of the reference.
+  StageShapes stage_shapes() const;
+  /// All of them together over the reference, from fresh pairs.
+  RatioEstimate stage_confirmation() const { return estimate_ratio(stage_ratios_); }
+
   /// Replaces World::state_hash(). For tests.
   void set_hash(std::function<std::uint64_t(World&)> hash) { hash_ = std::move(hash); }
 
  private:
   using Clock = std::chrono::steady_clock;
   void measure(const LaunchSearch::Task& task);
+  void measure_stage_shapes();
+  /// Calls `note` with the times of each pair, ms per step. Returns "", or how the states differ.
+  std::string measure_pairs(int pairs, const std::function<void(double, double)>& note);
   double time_steps(World& world);
   void note_stages(const World& world, std::size_t column);
 
@@ -63,6 +71,7 @@ class LaunchTuner {
   LaunchSearch search_;
   std::function<std::uint64_t(World&)> hash_;
   bool done_ = false;
+  std::vector<double> stage_ratios_;
   Clock::time_point ends_;  ///< of the budget
   std::vector<double> reference_ms_;
   struct StageSamples {
