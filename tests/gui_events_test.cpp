@@ -2,6 +2,7 @@
 // behaviour.
 #include "viewer/gui_events.h"
 
+#define GLFW_INCLUDE_NONE  // libepoxy declares OpenGL, for other files of a unity batch
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 #include <imgui.h>
