@@ -50,7 +50,7 @@ struct BeginSubstep {
     return [this, id, radius = walls.bodies.radius[id]](std::uint32_t k, Vector3<Real>* vectors) {
       const ContactEnd end = by_body.end(id, k);
       const Real sign = end.sign<Real>();
-      const PackedContact<Real> contact = load_readonly(&soft[end.contact]);
+      const auto& contact = load_readonly(&soft[end.contact]);
       vectors[0] = sign * contact.impulse * contact.normal;
       if constexpr (with_friction) {
         vectors[1] = sign * contact.friction_impulse;
