@@ -39,9 +39,13 @@ class PairBatch {
   SIM_HD PairBatch(const PairSink& sink, std::uint32_t body) : sink_(sink), body_(body) {}
   SIM_HD void add(std::uint32_t other) {
     if (buffered_ == room) flush(atomic_add(sink_.total, room));
+#if defined(__CUDA_ARCH__)
     // Constant indices, here and in flush(), so that a GPU keeps the array in registers.
     for (std::uint32_t k = 0; k < room; ++k)
       if (k == buffered_) other_[k] = other;
+#else
+    other_[buffered_] = other;
+#endif
     ++buffered_;
   }
   /// Counts nothing; VisitCount counts the visited nodes.
@@ -50,7 +54,12 @@ class PairBatch {
 
  private:
   SIM_HD void flush(std::uint64_t first) {
-    for (std::uint32_t k = 0; k < room; ++k)
+#if defined(__CUDA_ARCH__)
+    const std::uint32_t end = room;
+#else
+    const std::uint32_t end = buffered_;
+#endif
+    for (std::uint32_t k = 0; k < end; ++k)
       if (k < buffered_) sink_.put(first + k, body_, other_[k]);
     buffered_ = 0;
   }

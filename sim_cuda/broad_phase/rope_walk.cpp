@@ -13,10 +13,10 @@ struct WalkRopes {
   std::uint32_t n;
   Sink sink;
   SIM_HD void operator()(int leaf) const {
-    const RopedNode query = load_readonly(&nodes[leaf]);
+    const auto& query = load_readonly(&nodes[leaf]);
     auto batch = start_query(sink, leaf, query.child);
     for (std::uint32_t at = query.rope; at != no_rope;) {
-      const RopedNode node = load_readonly(&nodes[at]);
+      const auto& node = load_readonly(&nodes[at]);
       batch.visit();
       const bool hit = overlap(query, node), is_leaf = at < n;
       if (hit && is_leaf) batch.add(node.child);

@@ -33,8 +33,9 @@ struct alignas(16) RopedNode {
     }
   }
   SIM_HD friend bool overlap(const RopedNode& a, const RopedNode& b) {
-    return a.min[0] <= b.max[0] && b.min[0] <= a.max[0] && a.min[1] <= b.max[1] && b.min[1] <= a.max[1] &&
-           a.min[2] <= b.max[2] && b.min[2] <= a.max[2];
+    // Without branches: their outcome cannot be predicted.
+    return (a.min[0] <= b.max[0]) & (b.min[0] <= a.max[0]) & (a.min[1] <= b.max[1]) & (b.min[1] <= a.max[1]) &
+           (a.min[2] <= b.max[2]) & (b.min[2] <= a.max[2]);
   }
 };
 static_assert(sizeof(RopedNode) == 32);

@@ -68,7 +68,10 @@ SIM_HD inline std::uint32_t count_bits(std::uint32_t bits) {
 #if defined(__CUDA_ARCH__)
   return static_cast<std::uint32_t>(__popc(bits));
 #else
-  return static_cast<std::uint32_t>(std::popcount(bits));
+  // Not std::popcount(), which is a call of a library function if the processor may lack the instruction.
+  bits -= bits >> 1 & 0x55555555u;
+  bits = (bits & 0x33333333u) + (bits >> 2 & 0x33333333u);
+  return ((bits + (bits >> 4)) & 0x0f0f0f0fu) * 0x01010101u >> 24;
 #endif
 }
 

@@ -149,7 +149,11 @@ class Executor {
     for (int round = 0; round < rounds; ++round) {
       const std::int64_t items = stage.items(round);
       if (items < 0) return;
-      if (items > 0) run_on_cpu(items, OneRound<Rounds>{stage, round});
+      if (items == 0) continue;
+      if constexpr (MarkedRounds<Rounds>)
+        run_marked_on_cpu(items, stage.round(round));
+      else
+        run_on_cpu(items, OneRound<Rounds>{stage, round});
     }
   }
 #endif
@@ -181,6 +185,15 @@ class Executor {
       for (std::int64_t k = 0; k < items; ++k) s(static_cast<int>(first + k * stride));
     });
   }
+  template <class Stage>
+  void run_marked_on_cpu(std::int64_t count, const Stage& stage) {
+    const ItemMarks marks = stage.marks();
+    const bool all = marks.by_item == nullptr;
+    if (!all) count = list_marked(count, marks);
+    if (count > 0) run_on_cpu(count, ListedItems<Stage>{stage, all ? nullptr : marked_.data()});
+  }
+  /// Lists the marked ones of `count` items in `marked_`, in order. Returns their number.
+  std::int64_t list_marked(std::int64_t count, const ItemMarks& marks);
   void run_loop(std::int64_t count, const void* stage, ItemLoop loop);
   /// Records one parallel loop of the stage in progress. `lanes`: lanes that share the items; 0: chunks.
   void count_loop(std::int64_t items, std::int64_t lanes);
@@ -193,7 +206,8 @@ class Executor {
   ComputeDevice device_;
   MemorySpace memory_;
   StageRecorder stages_;
-  int suspensions_ = 0;  ///< number of live Uninterrupted objects
+  int suspensions_ = 0;      ///< number of live Uninterrupted objects
+  std::vector<int> marked_;  ///< items of the round in progress
 #if SIM_CUDA
   LaunchPlanner planner_;
   cudaStream_t stream_ = nullptr;

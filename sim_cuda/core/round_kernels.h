@@ -74,6 +74,21 @@ concept SyncFreeRounds = PrefetchingRounds<Rounds> &&(Rounds::sync_free_rounds >
 template <class Rounds>
 concept RoundsWithLargeItems = StaticRounds<Rounds> && LargeItems<Rounds> &&(Rounds::large_item_round >= 0);
 
+/// Bytes beside the items of a round. Items with a lower byte than `least` do nothing.
+struct ItemMarks {
+  const std::uint8_t* by_item = nullptr;  ///< values up to 127; null: all items may act
+  std::uint8_t least = 1;                 ///< 1 to 127
+};
+
+/// A round may have few items that act. The CPU calls only these:
+///
+///   Stage round(int number) const;  // called after the previous round; a stage with:
+///   ItemMarks marks() const;
+template <class Rounds>
+concept MarkedRounds = ItemRounds<Rounds> && requires(const Rounds& rounds, int number) {
+  { rounds.round(number).marks() } -> std::same_as<ItemMarks>;
+};
+
 template <class Rounds>
 SIM_HD void run_item(const Rounds& rounds, int round, int item) {
   if constexpr (PrefetchingRounds<Rounds>)
@@ -89,6 +104,14 @@ struct OneRound {
   Rounds rounds;
   int round;
   SIM_HD void operator()(int item) const { run_item(rounds, round, item); }
+};
+
+/// Adapts a list of items of a stage to a stage. `items` null: all items.
+template <class Stage>
+struct ListedItems {
+  Stage stage;
+  const int* items;
+  SIM_HD void operator()(int k) const { stage(items == nullptr ? k : items[k]); }
 };
 
 #if defined(__CUDACC__)

@@ -33,9 +33,19 @@ __device__ T load_words(const T* source, const LoadWord& load_word) {
 }  // namespace detail
 #endif
 
+/// The result of a load. On the CPU a reference: a copy of a record is slow, because it goes through the
+/// stack. So keep the result as `const auto&`, or as a copy if the record changes.
+#if defined(__CUDA_ARCH__)
+template <class T>
+using Loaded = T;
+#else
+template <class T>
+using Loaded = const T&;
+#endif
+
 /// Loads a record that is constant during this stage (read-only cache, __ldg).
 template <class T>
-SIM_HD T load_readonly(const T* source) {
+SIM_HD Loaded<T> load_readonly(const T* source) {
 #if defined(__CUDA_ARCH__)
   return detail::load_words(source, [](const uint4* word) { return __ldg(word); });
 #else
@@ -57,7 +67,7 @@ SIM_HD T load_l2(const T* source) {
 /// Loads a record that this stage also writes. Precondition: no other thread has written it since the last
 /// barrier or launch.
 template <class T>
-SIM_HD T load_cached(const T* source) {
+SIM_HD Loaded<T> load_cached(const T* source) {
 #if defined(__CUDA_ARCH__)
   return detail::load_words(source, [](const uint4* word) { return *word; });
 #else

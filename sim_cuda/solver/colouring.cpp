@@ -17,7 +17,7 @@ constexpr int key_bits = 6;
 static_assert(unused < (1 << key_bits));
 
 /// Bit beside a colour: proposed, not decided yet.
-constexpr std::uint8_t tentative = 0x80;
+constexpr std::uint8_t tentative = 0x40;
 
 /// Priority of a proposal. It is unique: ties of the hash are broken by the contact number, which depends
 /// only on the ids. Later rounds have higher values, so proposals need no clearing between rounds.
@@ -28,9 +28,7 @@ SIM_HD inline std::uint64_t proposal(std::uint64_t hash, std::uint32_t round, st
 /// Index of the n-th set bit, from the lowest. Precondition: more than n bits are set.
 SIM_HD inline std::uint8_t nth_set_bit(std::uint32_t bits, std::uint32_t n) {
   while (n-- > 0) bits &= bits - 1;
-  std::uint8_t bit = 0;
-  while ((bits >> bit & 1) == 0) ++bit;
-  return bit;
+  return static_cast<std::uint8_t>(count_bits((bits & -bits) - 1));
 }
 
 struct BeginBodies {
@@ -125,6 +123,8 @@ struct ProposeInRounds {
                         number = static_cast<std::uint32_t>(contact);
     half % 2 == 0 ? propose(round, number) : decide(round, number);
   }
+  struct Half;
+  Half round(int half) const;
 
   SIM_HD static std::uint64_t hash_of(Pair pair) {
     return mix64(static_cast<std::uint64_t>(pair.a) << 32 | pair.b);
@@ -167,6 +167,13 @@ struct ProposeInRounds {
     }
   }
 };
+struct ProposeInRounds::Half {
+  ProposeInRounds rounds;
+  int number;
+  SIM_HD void operator()(int contact) const { rounds(number, contact); }
+  ItemMarks marks() const { return {rounds.colour, number % 2 == 0 ? uncoloured : tentative}; }
+};
+ProposeInRounds::Half ProposeInRounds::round(int half) const { return {*this, half}; }
 static_assert(Colouring::colours == 32, "a 32-bit word has one bit per colour");
 
 /// Finds the start of each colour in the sorted keys, by lower bound.

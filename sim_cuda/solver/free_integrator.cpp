@@ -4,6 +4,7 @@
 #include "sim_cuda/dynamics/integrators.h"
 #include "sim_cuda/dynamics/move.h"
 #include "sim_cuda/dynamics/rotation_updates.h"
+#include "sim_cuda/solver/clear_space.h"
 
 namespace collidoscope {
 
@@ -58,6 +59,7 @@ struct IntegrateFree {
   Real h;                          ///< s
   bool forces_applied;
   const TreeMember* members;  ///< by body; null without joint trees
+  ClearSpace<Real> clear;
   const StepControl* control;
 
   SIM_HD void operator()(int body) const {
@@ -105,6 +107,7 @@ struct IntegrateFree {
 
   SIM_HD bool penetrates_plane(const Vector3<Real>& x, const Vector3<Real>& velocity,
                                const Vector3<Real>& euler, Real radius) const {
+    if (clear.contains(x, radius, clear.time * velocity)) return false;
     for (int p = 0; p < plane_count; ++p) {
       const Vector3<Real> normal = planes[p].normal;
       const Real gap = normal.dot(x) - planes[p].offset - radius, speed = normal.dot(velocity);
@@ -196,11 +199,12 @@ void FreeIntegrator<Real>::integrate(Real h, bool forces_applied, PackedVector3<
     const SmoothField<Real> field{effects.attractor ? scene_.attractors : AttractorView<Real>{},
                                   effects.attractor ? scene_.field : nullptr, scene_.drag, effects.drag,
                                   scene_.gravity};
-    executor_.run("integrate", scene_.body_count,
-                  IntegrateFree<Real, integrator>{
-                      field, scene_.bodies, before_.data(), drift_velocity_.data(), moved, is_free,
-                      bounced_mask, scene_.planes, scene_.plane_count, scene_.boxes, scene_.static_impulses,
-                      h, forces_applied, members(), scene_.control});
+    executor_.run(
+        "integrate", scene_.body_count,
+        IntegrateFree<Real, integrator>{
+            field, scene_.bodies, before_.data(), drift_velocity_.data(), moved, is_free, bounced_mask,
+            scene_.planes, scene_.plane_count, scene_.boxes, scene_.static_impulses, h, forces_applied,
+            members(), ClearSpace<Real>::of(scene_.box, scene_.plane_count, h), scene_.control});
   };
   switch (scene_.integrator) {
     case Integrator::rk4:

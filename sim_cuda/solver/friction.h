@@ -118,4 +118,11 @@ struct AngularState {
   }
 };
 
+/// Friction impulses at planes, index plane * body count + body. Null without friction.
+template <class Real>
+struct WallFriction {
+  Friction<Real> coefficients;
+  Vector3<Real>* impulse;  ///< accumulated in the substep, N s
+};
+
 }  // namespace collidoscope

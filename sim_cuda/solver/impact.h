@@ -32,7 +32,9 @@
 #include <cstdint>
 
 #include "sim_cuda/core/atomics.h"
+#include "sim_cuda/core/round_kernels.h"
 #include "sim_cuda/core/step_control.h"
+#include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/restitution.h"
 #include "sim_cuda/solver/soft_iteration.h"
 #include "sim_cuda/solver/soft_walls.h"
@@ -84,6 +86,28 @@ struct ImpactLaw {
   }
 };
 
+/// Marks of what a sweep tests. A value is 2 + the last sweep in which a velocity changed; 1: fast; 0: slow.
+struct StruckMarks {
+  std::uint8_t* body;     ///< by body
+  std::uint8_t* contact;  ///< by place: the larger value of its bodies, from 2 on. Only on the CPU, else null
+  ContactsByBodyView contacts_of;  ///< places, by body
+  const StepControl* control;
+
+  SIM_HD bool of_contacts() const { return contact != nullptr; }
+  SIM_HD void set(std::uint32_t id, std::uint8_t now) const {
+#if !defined(__CUDA_ARCH__)
+    if (of_contacts() && control->contacts > 0 && atomic_load(body + id) != now)
+      for (std::uint32_t k = 0; k < contacts_of.count[id]; ++k)
+        atomic_store(contact + contacts_of.end(static_cast<int>(id), k).contact, now);
+#endif
+    atomic_store(body + id, now);
+  }
+  /// Call at the end of a substep.
+  SIM_HD void clear_contacts() const {
+    for (std::uint32_t place = 0; of_contacts() && place < control->contacts; ++place) contact[place] = 0;
+  }
+};
+
 /// The act of an impact sweep.
 template <class Real, bool with_friction, bool unequal_moments>
 struct Impact {
@@ -91,8 +115,8 @@ struct Impact {
                         has_unequal_moments = unequal_moments;
   ImpactLaw<Real> law;
   std::uint32_t* again;  ///< set to 1 if a contact gets an impulse: another sweep is needed
-  std::uint8_t* struck;  ///< by body: 2 + the last sweep in which its velocity changed; 1: fast; 0: slow
-  std::uint8_t now;      ///< 2 + the number of this sweep
+  StruckMarks struck;
+  std::uint8_t now;                       ///< 2 + the number of this sweep
   const std::uint32_t* needed = nullptr;  ///< 0: the sweep is not needed; or null
 
   SIM_HD bool is_needed() const { return needed == nullptr || atomic_load(needed) != 0; }
@@ -142,8 +166,8 @@ struct Impact {
   /// Call if the contact has changed the velocities of its bodies. Static bodies may have other contacts in
   /// the same round, and do not change.
   SIM_HD void mark(const Pair& ids, const ContactBodies<Real>& bodies) const {
-    if (bodies.inverse_mass_a > 0) atomic_store(struck + ids.a, now);
-    if (bodies.inverse_mass_b > 0) atomic_store(struck + ids.b, now);
+    if (bodies.inverse_mass_a > 0) struck.set(ids.a, now);
+    if (bodies.inverse_mass_b > 0) struck.set(ids.b, now);
   }
 
  private:
@@ -168,9 +192,8 @@ struct ImpactSweeps {
 
   Contacts contacts;
   SoftWalls<Real, with_friction, with_box_obstacles> walls;
-  std::uint32_t* needed;             ///< by sweep, max_impact_sweeps + 1 flags, 0 before the substep
-  const std::uint8_t* asleep;        ///< by body, or null
-  const std::uint32_t* contacts_of;  ///< number of contacts, by body
+  std::uint32_t* needed;       ///< by sweep, max_impact_sweeps + 1 flags, 0 before the substep
+  const std::uint8_t* asleep;  ///< by body, or null
   StepControl* control;
   int first;
 
@@ -183,32 +206,57 @@ struct ImpactSweeps {
   SIM_HD void operator()(int round, int item) const {
     const int sweep = first + round / rounds_per_sweep, part = round % rounds_per_sweep - 1;
     if (part < 0) return bounce_off_walls(sweep, item);
-    if (part < Colouring::colours) {
-      const Pair ids =
-          contacts.contacts.ids[contacts.contacts.begin[part] + static_cast<std::uint32_t>(item)];
-      const std::uint8_t* const struck = contacts.act.struck;
-      if (max_of(struck[ids.a], struck[ids.b]) < sweep + 1) return;
-    }
+    if (is_tested(sweep, part, item)) run_item(contacts_in(sweep), part, item);
+  }
+  SIM_HD bool is_tested(int sweep, int part, int item) const {
+    if (part >= Colouring::colours) return true;
+    const Pair ids = contacts.contacts.ids[contacts.contacts.begin[part] + static_cast<std::uint32_t>(item)];
+    const std::uint8_t* const struck = contacts.act.struck.body;
+    return max_of(struck[ids.a], struck[ids.b]) >= sweep + 1;
+  }
+  SIM_HD Contacts contacts_in(int sweep) const {
     Contacts now = contacts;
     now.act.again = needed + sweep + 1;
     now.act.now = static_cast<std::uint8_t>(sweep + 2);
-    run_item(now, part, item);
+    return now;
+  }
+
+  /// A round on the CPU; see MarkedRounds.
+  struct Round {
+    ImpactSweeps sweeps;
+    Contacts contacts;
+    int sweep, part;  ///< part -1: planes and boxes
+    void operator()(int item) const {
+      if (part < 0) return sweeps.bounce_off_walls(sweep, item);
+      if (sweeps.is_tested(sweep, part, item)) run_item(contacts, part, item);
+    }
+    ItemMarks marks() const {
+      const StruckMarks& struck = contacts.act.struck;
+      if (sweep == 0 || part >= Colouring::colours || !struck.of_contacts()) return {};
+      return {part < 0 ? struck.body : struck.contact + contacts.contacts.begin[part],
+              static_cast<std::uint8_t>(sweep + 1)};
+    }
+  };
+  Round round(int number) const {
+    const int sweep = first + number / rounds_per_sweep;
+    return {*this, contacts_in(sweep), sweep, number % rounds_per_sweep - 1};
   }
 
   /// The first round of a sweep.
   SIM_HD void bounce_off_walls(int sweep, int id) const {
+    const StruckMarks& struck = contacts.act.struck;
     if (asleep != nullptr && asleep[id] != 0) {
-      contacts.act.struck[id] = 0;
+      struck.body[id] = 0;
       return;
     }
-    if (sweep > 0 && contacts.act.struck[id] < sweep + 1) return;
+    if (sweep > 0 && struck.body[id] < sweep + 1) return;
     const Vector3<Real> v = walls.bodies.velocity[id];
     const ImpactLaw<Real>& law = contacts.act.law;
     const Vector3<Real> pull = law.acceleration(static_cast<std::uint32_t>(id));
     const Real rest = law.growth(sweep) * law.rest_speed(pull), limit = rest / 2;
     if (sweep == 0) {
       const bool fast = v.dot(v) > Real(0.99) * limit * limit;  // less than the limit, for rounding
-      contacts.act.struck[id] = fast ? 1 : 0;
+      struck.body[id] = fast ? 1 : 0;
       if (fast) atomic_store(needed, std::uint32_t{1});
     }
     if (walls.count() == 0 || !(walls.bodies.inverse_mass[id] > 0)) return;
@@ -217,10 +265,10 @@ struct ImpactSweeps {
     typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load_motion(id);
     if (!walls.may_bounce(body, law, pull, rest)) return;
     walls.load_rest(id, body);
-    const bool may_shift = control->contacts == 0 || contacts_of[id] == 0;
+    const bool may_shift = control->contacts == 0 || struck.contacts_of.count[id] == 0;
     if (!walls.template resolve_impacts<unequal_moments>(id, body, law, pull, rest, may_shift)) return;
     walls.store(id, body);
-    contacts.act.struck[id] = static_cast<std::uint8_t>(sweep + 2);
+    struck.set(static_cast<std::uint32_t>(id), static_cast<std::uint8_t>(sweep + 2));
     atomic_store(needed + sweep + 1, std::uint32_t{1});
     if (sweep == 0) atomic_store(needed, std::uint32_t{1});
   }
@@ -238,8 +286,10 @@ struct FirstRound {
 /// Ends the impacts of a substep: counts a substep that needed more sweeps, and clears the flags.
 struct EndImpacts {
   std::uint32_t* needed;
+  StruckMarks struck;
   StepControl* control;
   SIM_HD void operator()(int) const {
+    struck.clear_contacts();
     if (needed[max_impact_sweeps] != 0) ++control->bounce_caps;
     for (int sweep = 0; sweep <= max_impact_sweeps; ++sweep) needed[sweep] = 0;
   }

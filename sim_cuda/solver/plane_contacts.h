@@ -31,7 +31,8 @@ class PlaneContacts {
             active_mask_.data(),
             WallFriction<Real>{scene_.friction, friction_.data()},
             BoxContacts<Real>{scene_.boxes, box_planes_.data()},
-            scene_.static_impulses};
+            scene_.static_impulses,
+            ClearSpace<Real>::of(scene_.box, scene_.plane_count, 1 / inverse_h)};
   }
   Real* impulse() const { return impulse_.data(); }  ///< N s, see SoftWalls::impulse
   const std::uint32_t* bounced_mask() const {

@@ -50,7 +50,7 @@ struct BeginSubstep {
     return [this, id, radius = walls.bodies.radius[id]](std::uint32_t k, Vector3<Real>* vectors) {
       const ContactEnd end = by_body.end(id, k);
       const Real sign = end.sign<Real>();
-      const PackedContact<Real> contact = load_readonly(&soft[end.contact]);
+      const auto& contact = load_readonly(&soft[end.contact]);
       vectors[0] = sign * contact.impulse * contact.normal;
       if constexpr (with_friction) {
         vectors[1] = sign * contact.friction_impulse;
@@ -72,7 +72,7 @@ struct BeginSubstep {
       body.v += body.inverse_mass * impulses.sum[0];
       if constexpr (with_friction) body.angular.apply_angular_impulse(impulses.sum[1]);
     }
-    walls.solve(id, body, false, pull);
+    if (!walls.is_clear(body, walls.clear.time)) walls.solve(id, body, false, pull);
     body.velocity_changed = true;
     walls.store(id, body);
   }

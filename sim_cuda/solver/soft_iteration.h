@@ -133,12 +133,12 @@ struct OrderedContacts {
     k.place = place;
     k.ids = ids[place];
     k.bodies = load_readonly(&bodies[place]);
-    const PackedContact<Real> stored = load_cached(&soft[place]);
+    const auto& stored = load_cached(&soft[place]);
     const ContactSums<Real> sum = sums[place];
     k.contact = {stored.normal, stored.gap, stored.impulse,
                  sum.total,     sum.impact, min_of(k.bodies.radius_a, k.bodies.radius_b)};
     if constexpr (with_friction) {
-      const FrictionSums<Real> friction_sum = load_cached(&friction_sums[place]);
+      const auto& friction_sum = load_cached(&friction_sums[place]);
       k.friction = {stored.friction_impulse, friction_sum.impact, friction_sum.coefficient};
       k.inertia = inertia[place];
     }

@@ -53,7 +53,7 @@ struct PrepareContacts {
     const auto [a, b] = ids;
     place_of[contact] = static_cast<std::uint32_t>(place);
     ids_of[place] = ids;
-    const StepBody<Real> body_a = load_readonly(&bodies[a]), body_b = load_readonly(&bodies[b]);
+    const auto &body_a = load_readonly(&bodies[a]), &body_b = load_readonly(&bodies[b]);
     const ContactBodies<Real> of{body_a.inverse_mass, body_b.inverse_mass, body_a.radius, body_b.radius};
     store_vectorized(&bodies_of[place], of);
     if (colours.colour[place] < Colouring::colours)

@@ -43,6 +43,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       uncoloured_friction_(executor, "split friction"),
       impact_sweeps_(executor, "impact sweep flags"),
       struck_(executor, "struck bodies"),
+      struck_contacts_(executor, "contacts of struck bodies"),
       planes_(executor, scene),
       rolling_(executor),
       kinematic_(executor, scene.bodies, scene.kinematic, scene.control),
@@ -90,6 +91,10 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   soft_.resize_discarding(m);
   sums_.resize_discarding(m);
   uncoloured_change_.resize_discarding(m);
+  if (!executor_.on_device()) {
+    struck_contacts_.resize_discarding(m);
+    struck_contacts_.fill_zero();
+  }
   cache_.reserve(contact_capacity);
   if (scene_.effects.rolling_resistance) rolling_.reserve(contact_capacity, cache_.capacity());
   if (!scene_.effects.friction) return;
@@ -157,17 +162,18 @@ void SoftStepSolver<Real>::resolve_impacts() {
                   EvaluateField<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
   const ImpactLaw<Real> law{scene_.restitution, scene_.gravity,
                             scene_.effects.attractor ? scene_.field : nullptr, h_};
+  const StruckMarks struck{struck_.data(), struck_contacts_.data(), all_.view(colouring_.degrees()),
+                           scene_.control};
   const auto with = [&]<bool with_box_obstacles, bool unequal_moments>() {
     using Sweeps = ImpactSweeps<Real, with_friction, with_box_obstacles, unequal_moments>;
     using Contacts = typename Sweeps::Contacts;
     std::uint32_t* const needed = impact_sweeps_.data();
     const OrderedContacts<Real, with_friction> contacts = ordered_contacts<with_friction>(true);
     const std::int64_t items = std::max(scene_.body_count, contact_capacity_);
-    Sweeps sweeps{Contacts{contacts, scene_.bodies, {law, nullptr, struck_.data(), 0}},
+    Sweeps sweeps{Contacts{contacts, scene_.bodies, {law, nullptr, struck, 0}},
                   planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
                   needed,
                   sleeping_.asleep(),
-                  all_.view(colouring_.degrees()).count,
                   scene_.control,
                   0};
     // On a GPU, sweeps over contacts without barriers are faster. Most substeps need no more than these.
@@ -177,11 +183,10 @@ void SoftStepSolver<Real>::resolve_impacts() {
       for (; sweeps.first < without_barriers; ++sweeps.first) {
         const auto now = static_cast<std::uint8_t>(sweeps.first + 2);
         executor_.run("bounce", scene_.body_count, FirstRound<Sweeps>{sweeps});
-        executor_.run_rounds(
-            "bounce", Contacts::rounds, std::min(contact_capacity_, scene_.body_count / 2),
-            Contacts{contacts,
-                     scene_.bodies,
-                     {law, needed + sweeps.first + 1, struck_.data(), now, needed + sweeps.first}});
+        executor_.run_rounds("bounce", Contacts::rounds, std::min(contact_capacity_, scene_.body_count / 2),
+                             Contacts{contacts,
+                                      scene_.bodies,
+                                      {law, needed + sweeps.first + 1, struck, now, needed + sweeps.first}});
       }
     executor_.run_rounds("bounce", sweeps.rounds(), items, sweeps);
   };
@@ -192,7 +197,7 @@ void SoftStepSolver<Real>::resolve_impacts() {
     else if constexpr (!unequal_moments)
       with.template operator()<false, false>();
   });
-  executor_.run("bounce", 1, EndImpacts{impact_sweeps_.data(), scene_.control});
+  executor_.run("bounce", 1, EndImpacts{impact_sweeps_.data(), struck, scene_.control});
 }
 
 /// Applies gravity, attractors, drag and warm starting. Solves the planes once.

@@ -118,10 +118,10 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<ContactSums<Real>> sums_;
   Buffer<FrictionSums<Real>> friction_sums_;  ///< empty without friction
   Buffer<ContactInertia<Real>> contact_inertia_;
-  Buffer<Real> uncoloured_change_;             ///< N s
-  Buffer<Vector3<Real>> uncoloured_friction_;  ///< N s
-  Buffer<std::uint32_t> impact_sweeps_;        ///< see ImpactSweeps::needed
-  Buffer<std::uint8_t> struck_;                ///< see Impact
+  Buffer<Real> uncoloured_change_;                 ///< N s
+  Buffer<Vector3<Real>> uncoloured_friction_;      ///< N s
+  Buffer<std::uint32_t> impact_sweeps_;            ///< see ImpactSweeps::needed
+  Buffer<std::uint8_t> struck_, struck_contacts_;  ///< see StruckMarks
   PlaneContacts<Real> planes_;
   RollingResistance<Real> rolling_;
   KinematicMotion<Real> kinematic_;

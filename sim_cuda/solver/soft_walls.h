@@ -16,19 +16,13 @@
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/solver/box_surface.h"
+#include "sim_cuda/solver/clear_space.h"
 #include "sim_cuda/solver/friction.h"
 #include "sim_cuda/solver/restitution.h"
 #include "sim_cuda/solver/tangent_response.h"
 #include "sim_cuda/solver/walls.h"
 
 namespace collidoscope {
-
-/// Friction impulses at planes, index plane * body count + body. Null without friction.
-template <class Real>
-struct WallFriction {
-  Friction<Real> coefficients;
-  Vector3<Real>* impulse;  ///< accumulated in the substep, N s
-};
 
 template <class Real>
 struct ImpactLaw;
@@ -48,6 +42,7 @@ struct SoftWalls {
   WallFriction<Real> friction;  ///< used only with friction
   BoxContacts<Real> boxes;      ///< empty unless `with_box_obstacles`
   StaticImpulse* static_impulses;
+  ClearSpace<Real> clear;
 
   /// State of a body while its planes are solved.
   struct Body {
@@ -90,10 +85,15 @@ struct SoftWalls {
     }
     if (still_active != body.active_mask) active_mask[id] = still_active;
   }
+  /// True only if no surface acts on the body when it moves for `time` s.
+  SIM_HD bool is_clear(const Body& body, Real time) const {
+    return !with_box_obstacles && body.active_mask == 0 && clear.contains(body.x, body.radius, time * body.v);
+  }
   /// True if an iteration may change the body. Exact if no plane is active and there are no box obstacles.
   SIM_HD bool may_touch(const Body& body, bool relaxing) const {
     if constexpr (with_box_obstacles) return true;
     if (plane_count > plane_mask_bits || body.active_mask != 0) return true;
+    if (is_clear(body, relaxing ? Real(0) : clear.time)) return false;
     for (int p = 0; p < plane_count; ++p) {
       const Vector3<Real> normal = planes[p].normal;
       const Real gap = normal.dot(body.x) - planes[p].offset - body.radius;
@@ -188,6 +188,7 @@ struct SoftWalls {
 
   /// Applies the accumulated impulses of the last substep.
   SIM_HD void warm_start(int id, Body& body) const {
+    if (body.active_mask == 0 && count() <= plane_mask_bits) return;
     for (int p = 0; p < count(); ++p) {
       if (!is_active(body, p)) continue;
       const Real start = impulse[index(p, id)];
@@ -285,6 +286,9 @@ struct SoftWalls {
   SIM_HD bool may_bounce(const Body& body, const ImpactLaw<Real>& law, const Vector3<Real>& pull,
                          Real rest) const {
     bool any = with_box_obstacles;
+    const Real time = Real(1.0001) * law.reach_time();  // more than in meets(), for rounding
+    const Vector3<Real> way = time * (body.v.cwiseAbs() + law.h * pull.cwiseAbs());
+    if (!any && clear.contains(body.x, body.radius, way)) return false;
     for (int p = 0; p < plane_count && !any; ++p) any = meets(planes[p], body, law, pull, rest);
     return any;
   }
