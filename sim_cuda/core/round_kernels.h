@@ -111,7 +111,7 @@ template <class Stage>
 struct ListedItems {
   Stage stage;
   const int* items;
-  SIM_HD void operator()(int k) const { stage(items == nullptr ? k : items[k]); }
+  void operator()(int k) const { stage(items == nullptr ? k : items[k]); }  // on the CPU only
 };
 
 #if defined(__CUDACC__)
