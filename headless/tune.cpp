@@ -140,7 +140,7 @@ std::string map_text(const LaunchTuner& tuner) {
     }
     text += '\n';
   }
-  return text + "* chosen; - left out: fewer threads than a much slower shape; x infeasible\n";
+  return text + "* chosen; - left out, beyond a much slower shape; x infeasible\n";
 }
 
 std::string text_of(World& world, const LaunchTuner& tuner) {

@@ -14,6 +14,13 @@
 namespace collidoscope {
 namespace {
 
+TEST(LaunchAxes, SurroundABlockPerMultiprocessor) {
+  const LaunchAxes gpu = launch_axes(132, 50'000);
+  EXPECT_THAT(gpu.blocks, testing::ElementsAre(8, 16, 33, 66, 132, 264, 528, 1056));
+  EXPECT_THAT(gpu.threads, testing::ElementsAre(32, 64, 128, 256, 512, 1024));
+  EXPECT_THAT(launch_axes(0, 100).blocks, testing::ElementsAre(1, 2, 4, 8));
+}
+
 /// Invented times of a step, ms, with noise that has outliers.
 struct InventedTimes {
   double best_blocks, best_threads;  ///< log2
@@ -33,7 +40,8 @@ struct InventedTimes {
 };
 
 LaunchSearch searched(InventedTimes times, int& pairs) {
-  LaunchSearch search({1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024}, {32, 64, 128, 256, 512, 1024}, 32);
+  LaunchSearch search({1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024}, {32, 64, 128, 256, 512, 1024}, 32,
+                      16384);
   pairs = 0;
   while (const auto task = search.next())
     for (int pair = 0; pair < task->pairs; ++pair, ++pairs)
@@ -71,14 +79,14 @@ TEST(LaunchSearch, LeavesOutShapesWithFewThreads) {
 }
 
 TEST(LaunchSearch, EndsWithoutAFeasibleShape) {
-  LaunchSearch search({1, 2}, {32}, 32);
+  LaunchSearch search({1, 2}, {32}, 32, 64);
   while (const auto task = search.next()) search.exclude(task->cell, LaunchCell::State::infeasible, "no");
   EXPECT_FALSE(search.chosen());
   EXPECT_TRUE(search.plateau().empty());
 }
 
 TEST(LaunchSearch, ConfirmsTheBestSoFarIfTimeIsShort) {
-  LaunchSearch search({1, 2, 4}, {32}, 32);
+  LaunchSearch search({1, 2, 4}, {32}, 32, 128);
   for (int k = 0; k < 2; ++k) {
     const auto task = search.next();
     for (int pair = 0; pair < task->pairs; ++pair) search.add(task->cell, k == 0 ? 2 : 1, 1);

@@ -15,19 +15,24 @@ double distance(LaunchShape a, LaunchShape b) {
          std::abs(std::log2(static_cast<double>(a.threads) / b.threads));
 }
 
-constexpr double much_slower = 3;  // ratio to the fastest cell
+constexpr double much_slower = 2;  // ratio to the fastest cell
 constexpr std::size_t finalists = 4;
 
 }  // namespace
 
-LaunchSearch::LaunchSearch(const std::vector<int>& blocks, const std::vector<int>& threads, int thread_unit)
-    : thread_unit_(thread_unit) {
+LaunchSearch::LaunchSearch(const std::vector<int>& blocks, const std::vector<int>& threads, int thread_unit,
+                           std::int64_t middle)
+    : thread_unit_(thread_unit), middle_(middle), blocks_(blocks) {
   for (const int b : blocks)
     for (const int t : threads) cells_.push_back({.shape = {b, t}, .reason = {}, .ratios = {}, .ms = {}});
   std::vector<std::size_t> all(cells_.size());
   for (std::size_t k = 0; k < all.size(); ++k) all[k] = k;
-  std::ranges::stable_sort(all, std::greater(), [&](std::size_t k) { return lanes(cells_[k].shape); });
+  std::ranges::stable_sort(all, {}, [&](std::size_t k) { return std::abs(from_middle(cells_[k].shape)); });
   queue(all, first_pairs);
+}
+
+double LaunchSearch::from_middle(LaunchShape shape) const {
+  return std::log2(static_cast<double>(lanes(shape)) / static_cast<double>(middle_));
 }
 
 void LaunchSearch::queue(const std::vector<std::size_t>& cells, int pairs) {
@@ -44,22 +49,24 @@ std::vector<std::size_t> LaunchSearch::fastest_first() const {
   return result;
 }
 
-/// Fewer threads are not faster where many are too few already.
+/// Whether the next cell of the same T towards the middle is much slower than the best one, or left out.
 bool LaunchSearch::is_left_out(std::size_t cell) {
   const LaunchShape shape = cells_[cell].shape;
+  const auto own = std::ranges::find(blocks_, shape.blocks);
+  const bool few = from_middle(shape) < 0;
+  if (own == blocks_.end() || (few ? own + 1 == blocks_.end() : own == blocks_.begin())) return false;
+  const LaunchShape inner{few ? *(own + 1) : *(own - 1), shape.threads};
+  if (std::abs(from_middle(inner)) > std::abs(from_middle(shape))) return false;
   double best = std::numeric_limits<double>::infinity();
   for (const LaunchCell& other : cells_)
     if (!other.ratios.empty()) best = std::min(best, other.estimate().ratio);
-  for (const LaunchCell& other : cells_) {
-    const bool more = other.shape.blocks >= shape.blocks && other.shape.threads >= shape.threads &&
-                      lanes(other.shape) > lanes(shape);
-    if (!more || other.ratios.empty() || other.estimate().ratio < much_slower * best) continue;
-    exclude(cell, LaunchCell::State::left_out,
-            std::to_string(other.shape.blocks) + " x " + std::to_string(other.shape.threads) +
-                " is much slower than the best, and has more threads");
-    return true;
-  }
-  return false;
+  const LaunchCell& one = *std::ranges::find(cells_, inner, &LaunchCell::shape);
+  const bool slow = !one.ratios.empty() && one.estimate().ratio > much_slower * best;
+  if (!slow && one.state != LaunchCell::State::left_out) return false;
+  exclude(
+      cell, LaunchCell::State::left_out,
+      std::to_string(inner.blocks) + " x " + std::to_string(inner.threads) + " is much slower than the best");
+  return true;
 }
 
 std::optional<LaunchSearch::Task> LaunchSearch::next() {

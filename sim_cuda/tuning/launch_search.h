@@ -2,10 +2,11 @@
 // Chooses which launch shapes to measure, and how often, in a map over B and T. It knows only the measured
 // times. All shapes are compared with one reference.
 //
-// First each cell gets a few pairs of measurements, from many threads to few. Cells with fewer threads than a
-// much slower one are left out. Then the faster half gets twice as many pairs, again and again. Shapes
-// between the powers of two around the best one follow. Cells that cannot be told apart from the best one
-// form a plateau; the one in its centre is chosen, and confirmed with fresh pairs.
+// First each cell gets a few pairs of measurements, from a middle number of threads to few and to many.
+// Beyond a much slower cell, others of the same T are left out. Then the faster half gets twice as many
+// pairs, again and again. Shapes between the powers of two around the best one follow. Cells that cannot be
+// told apart from the best one form a plateau; the one in its centre is chosen, and confirmed with fresh
+// pairs.
 
 #include <cstdint>
 #include <deque>
@@ -23,7 +24,7 @@ struct LaunchCell {
     waiting,  ///< not measured yet
     measured,
     infeasible,  ///< the device cannot launch it
-    left_out,    ///< fewer threads than a much slower cell
+    left_out,    ///< beyond a much slower cell of the same T
     wrong,       ///< another state hash than the reference
   };
   LaunchShape shape;
@@ -35,8 +36,10 @@ struct LaunchCell {
 
 class LaunchSearch {
  public:
-  /// Values of B and T, each ascending. `thread_unit`: T is a multiple of it.
-  LaunchSearch(const std::vector<int>& blocks, const std::vector<int>& threads, int thread_unit);
+  /// Values of B and T, each ascending. `thread_unit`: T is a multiple of it. `middle`: number B * T with
+  /// which the search begins.
+  LaunchSearch(const std::vector<int>& blocks, const std::vector<int>& threads, int thread_unit,
+               std::int64_t middle);
 
   struct Task {
     std::size_t cell;
@@ -66,11 +69,15 @@ class LaunchSearch {
   void queue(const std::vector<std::size_t>& cells, int pairs);
   void begin_next_phase();
   bool is_left_out(std::size_t cell);
+  /// In doublings of B * T.
+  double from_middle(LaunchShape shape) const;
   std::vector<std::size_t> fastest_first() const;
   std::vector<std::size_t> shapes_around(std::size_t cell);
 
   std::vector<LaunchCell> cells_;
   int thread_unit_;
+  std::int64_t middle_;
+  std::vector<int> blocks_;
   Phase phase_ = Phase::screening;
   std::deque<Task> tasks_;
   std::size_t survivors_ = 0;

@@ -40,10 +40,16 @@ RunOptions with_shape(RunOptions options, LaunchShape shape) {
 
 }  // namespace
 
-LaunchAxes launch_axes(bool on_gpu, std::int64_t bodies) {
-  if (!on_gpu) return {powers_of_two(1, std::clamp<std::int64_t>(bodies / 8, 1, 1024)), {1, 4, 16, 64}, 1};
-  return {powers_of_two(1, std::clamp<std::int64_t>((bodies + 31) / 32, 1, 65536)), powers_of_two(32, 1024),
-          32};
+LaunchAxes launch_axes(int multiprocessors, std::int64_t bodies) {
+  if (multiprocessors == 0)
+    return {powers_of_two(1, std::clamp<std::int64_t>(bodies / 8, 1, 1024)), {1, 4, 16, 64}, 1, 64};
+  LaunchAxes axes{{}, powers_of_two(32, 1024), 32, std::int64_t{512} * multiprocessors};
+  for (int blocks = multiprocessors; blocks >= 8; blocks /= 2)
+    axes.blocks.insert(axes.blocks.begin(), blocks);
+  const std::int64_t most = std::clamp<std::int64_t>(bodies / 32, multiprocessors, 65536);
+  for (std::int64_t blocks = 2 * multiprocessors; blocks <= most; blocks *= 2)
+    axes.blocks.push_back(static_cast<int>(blocks));
+  return axes;
 }
 
 LaunchTuner::LaunchTuner(World& world, double budget)
@@ -54,8 +60,12 @@ LaunchTuner::LaunchTuner(World& world, double budget)
       reference_(scene_, with_shape(world.options(), shape_), &state_),
       candidate_(scene_, with_shape(world.options(), shape_), &state_),
       search_([&] {
-        const LaunchAxes axes = launch_axes(world.info().on_gpu, std::ssize(world.initial().radius));
-        return LaunchSearch(axes.blocks, axes.threads, axes.thread_unit);
+        reference_.step();  // records the launches
+        int multiprocessors = 0;
+        for (const StageTime& stage : reference_.latest_times().stages)
+          multiprocessors = std::max(multiprocessors, stage.launch.multiprocessors);
+        const LaunchAxes axes = launch_axes(multiprocessors, std::ssize(world.initial().radius));
+        return LaunchSearch(axes.blocks, axes.threads, axes.thread_unit, axes.middle);
       }()),
       hash_([](World& w) { return w.state_hash(); }) {}
 

@@ -16,12 +16,15 @@
 
 namespace collidoscope {
 
-/// Values of B and T of the map for a device. GPU: T from 32 to 1024. CPU: B * T lanes share the items.
+/// Values of B and T of the map for a device. GPU: T from 32 to 1024, B in doublings around a block per
+/// multiprocessor. CPU: B * T lanes share the items.
 struct LaunchAxes {
   std::vector<int> blocks, threads;
   int thread_unit;
+  std::int64_t middle;  ///< B * T
 };
-LaunchAxes launch_axes(bool on_gpu, std::int64_t bodies);
+/// `multiprocessors`: 0 for a CPU.
+LaunchAxes launch_axes(int multiprocessors, std::int64_t bodies);
 
 class LaunchTuner {
  public:
