@@ -149,7 +149,9 @@ void Executor::synchronize() {
 
 void Executor::throw_if_cancelled() {
   if (!on_device()) return team_.throw_if_cancelled();
-  if (cancels_between_steps() || !team_.is_cancelled()) return;
+  Cancellation* const cancellation = suspensions_ > 0 ? nullptr : options_.cancellation;
+  if (cancellation == nullptr || !cancellation->poll() || cancellation->between_steps()) return;
+  team_.is_cancelled();  // makes the executor interrupted()
   abandon_gpu();
   throw Cancelled();
 }

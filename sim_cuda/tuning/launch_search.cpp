@@ -176,6 +176,8 @@ std::optional<std::size_t> LaunchSearch::chosen() const {
   if (chosen_) return chosen_;
   const std::vector<std::size_t> ties = plateau();
   if (ties.empty()) return std::nullopt;
+  // With few pairs, nothing can be told apart.
+  if (!std::isfinite(cells_[ties.front()].estimate().high)) return ties.front();
   const auto spread = [&](std::size_t cell) {
     double sum = 0;
     for (const std::size_t other : ties) sum += distance(cells_[cell].shape, cells_[other].shape);
