@@ -48,6 +48,13 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   EXPECT_EQ(value("state_hash"), expected_hash(paused_at + 2, 300));
   window.key("Escape");
 
+  // At state 0, where bodies touch: a slow machine pauses at a later state, in which none may touch.
+  const Json timeline = window.frame()["widgets"]["run.timeline"];
+  const int left = timeline[0].get<int>(), right = left + timeline[2].get<int>(),
+            middle = timeline[1].get<int>() + timeline[3].get<int>() / 2;
+  window.drag(right - 6, middle, left + 2, middle);
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 0; }));
+
   // Each layer changes the picture and the frame data.
   window.move(640, 20);  // no tooltip on the picture
   const Image plain = picture(window);
@@ -67,6 +74,8 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   }
   window.move(640, 20);
   EXPECT_LT(difference(plain, picture(window), window.frame()), 0.0005) << "all as before";
+  window.drag(left + 6, middle, right - 2, middle);
+  ASSERT_TRUE(window.wait_for([&](const Json& f) { return f["step"] == paused_at + 2; }));
 
   // (B, T), typed and by the slider, does not change the state.
   window.type_into("settings.blocks", "7");
