@@ -89,9 +89,9 @@ TuneJson report_of(World& world, const LaunchTuner& tuner) {
   report["chosen"] = nullptr;
   const std::optional<std::size_t> chosen = search.chosen();
   if (!chosen) return report;
-  const LaunchShape shape = search.cells()[*chosen].shape;
-  report["chosen"] = {{"blocks", shape.blocks},
-                      {"threads", shape.threads},
+  const LaunchShape fastest = search.cells()[*chosen].shape;
+  report["chosen"] = {{"blocks", fastest.blocks},
+                      {"threads", fastest.threads},
                       {"confirmation", estimate_json(search.confirmation())},
                       {"verdict", verdict(search.confirmation(), shape_text(tuner.reference()))}};
   const StageShapes best = tuner.stage_shapes();

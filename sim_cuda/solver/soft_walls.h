@@ -146,7 +146,7 @@ struct SoftWalls {
     if (!(body.inverse_mass > 0)) return;
     constexpr int rounds = 8;
     for (int round = 0; round < rounds; ++round) {
-      bool clear = true;
+      bool outside = true;
       for (int b = 0; b < boxes.view.count; ++b) {
         if (!predict_contact(b, id, body)) continue;
         const ContactPlane<Real> box_plane = boxes.plane[index(b, id)];
@@ -154,12 +154,12 @@ struct SoftWalls {
         const Real speed = box_plane.normal.dot(body.v), over = speed + gap * inverse_h;
         const Real rounding = Real(1e-6) * body.v.template lpNorm<1>() + Real(1e-4) * body.radius * inverse_h;
         if (!(over < -rounding) || ends_at_plane(id, body, plane_count + b)) continue;
-        clear = false;
+        outside = false;
         impulse[index(plane_count + b, id)] -= body.mass * over;
         activate(id, body, plane_count + b);
         apply_normal_impulse(id, body, box_plane.normal, -body.mass * over);
       }
-      if (clear) return;
+      if (outside) return;
     }
     for (int k = 0; k < 3; ++k) static_impulses[id].vector[k] -= static_cast<double>(body.mass * body.v[k]);
     body.v = Vector3<Real>::Zero();
