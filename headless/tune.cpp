@@ -200,7 +200,9 @@ int tune_command(const CommandLine& line) {
     ++wrong;
     fmt::print(stderr, "{}: {}\n", shape_text(cell.shape), cell.reason);
   }
-  return wrong > 0 ? 1 : 0;
+  if (!tuner.stage_difference().empty())
+    fmt::print(stderr, "the best shape of each stage: {}\n", tuner.stage_difference());
+  return wrong > 0 || !tuner.stage_difference().empty() ? 1 : 0;
 }
 
 }  // namespace collidoscope

@@ -191,6 +191,12 @@ TEST_P(LaunchTuners, ShapesOfStagesKeepTheState) {
   EXPECT_EQ(world.state_hash(), plain.state_hash());
   EXPECT_EQ(world.options().stage_shapes.size(), 4u);
 
+  EXPECT_THROW(
+      {
+        world.set_stage_shapes({{"solv", {1, 32}}});
+        world.step();
+      },
+      InputError);
   World misspelt(tuned_scene(), [&] {
     RunOptions wrong = options();
     wrong.stage_shapes = {{"solv", {1, 32}}};

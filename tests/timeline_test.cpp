@@ -267,5 +267,15 @@ TEST(Timelines, GuardsStayAsTheyAreSet) {
   EXPECT_EQ(live.settings().guards, OnFailure::pause);
 }
 
+TEST(Timelines, KeepTheLimitsOfGuards) {
+  Scene scene = tumbling_scene();
+  scene.physics.guards = ValidationSettings{.speed = 900};
+  LiveWorld live(scene, on_cpu());
+  for (int step = 1; step <= 20; ++step) live.step(true);
+  live.go_to(10);
+  ASSERT_TRUE(live.world().scene().physics.guards);
+  EXPECT_EQ(live.world().scene().physics.guards->speed, 900);
+}
+
 }  // namespace
 }  // namespace collidoscope

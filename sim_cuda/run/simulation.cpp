@@ -87,6 +87,7 @@ void Simulation::set_launch_shapes(LaunchShape shape, const StageShapes& by_stag
   executor.set_shapes(shape, by_stage);
   options.shape = shape;
   options.stage_shapes = by_stage;
+  knows_stages_ = false;
   runner_.discard_graphs();  // recorded steps contain the old shapes
 }
 

@@ -146,8 +146,9 @@ void LaunchTuner::measure_stage_shapes() {
   if (shapes.empty()) return;
   candidate_.set_launch_shape(shape_);
   candidate_.set_stage_shapes(shapes);
-  measure_pairs(LaunchSearch::fresh_pairs,
-                [&](double ms, double reference_ms) { stage_ratios_.push_back(ms / reference_ms); });
+  stage_difference_ = measure_pairs(LaunchSearch::fresh_pairs, [&](double ms, double reference_ms) {
+    stage_ratios_.push_back(ms / reference_ms);
+  });
 }
 
 double LaunchTuner::time_steps(World& world) {

@@ -53,6 +53,8 @@ class LaunchTuner {
   StageShapes stage_shapes() const;
   /// All of them together over the reference, from fresh pairs.
   RatioEstimate stage_confirmation() const { return estimate_ratio(stage_ratios_); }
+  /// How the state with all of them differs; empty: it does not.
+  const std::string& stage_difference() const { return stage_difference_; }
 
   /// Replaces World::state_hash(). For tests.
   void set_hash(std::function<std::uint64_t(World&)> hash) { hash_ = std::move(hash); }
@@ -75,6 +77,7 @@ class LaunchTuner {
   std::function<std::uint64_t(World&)> hash_;
   bool done_ = false;
   std::vector<double> stage_ratios_;
+  std::string stage_difference_;
   Clock::time_point ends_;  ///< of the budget
   std::vector<double> reference_ms_;
   struct StageSamples {

@@ -133,6 +133,7 @@ class LiveWorld {
   void play_script();
   void set_guards(std::optional<OnFailure> request);
   void branch(std::int64_t now);
+  void adopt(std::unique_ptr<World> world);
   void forget_other_run();
   bool pass_known_state(bool measured);
   void note_step(bool measured);

@@ -22,9 +22,12 @@ std::string change_text(const Change& change) {
 
 }  // namespace
 
-void LiveWorld::go_to(std::int64_t step) {
+void LiveWorld::go_to(std::int64_t step) { adopt(timeline_.world_at(step, world_->options())); }
+
+/// `world`: at a state of the timeline, without guards. It gets those of the present one, with their limits.
+void LiveWorld::adopt(std::unique_ptr<World> world) {
   const std::optional<OnFailure> guards = settings().guards;
-  std::unique_ptr<World> world = timeline_.world_at(step, world_->options());
+  if (const auto& limits = world_->scene().physics.guards) guards_ = *limits;
   replace(std::move(world));
   pending_.reset();
   last_id_map_.clear();
@@ -63,7 +66,6 @@ std::optional<WorkspaceView::TimelineView::Other> LiveWorld::other_run() const {
 void LiveWorld::open_other_run() {
   OtherRun& other = *other_;
   const std::int64_t state = std::clamp(world_->steps(), other.timeline.first(), other.timeline.last());
-  const std::optional<OnFailure> guards = settings().guards;
   std::unique_ptr<World> world = other.timeline.world_at(state, world_->options());
   std::swap(timeline_, other.timeline);
   std::swap(lanes_, other.lanes);
@@ -71,10 +73,7 @@ void LiveWorld::open_other_run() {
   std::swap(changes_, other.changes);
   std::swap(history_, other.history);
   std::swap(edited_, other.edited);
-  replace(std::move(world));
-  pending_.reset();
-  last_id_map_.clear();
-  if (settings().guards != guards) set_guards(guards);
+  adopt(std::move(world));
 }
 
 std::vector<TimelineMark> LiveWorld::marks() const {
