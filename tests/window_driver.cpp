@@ -63,6 +63,9 @@ pid_t WindowDriver::start(const std::vector<std::string>& command, const std::st
   setenv("XDG_CONFIG_HOME", file("config").c_str(), 1);
   setenv("XDG_CACHE_HOME", file("cache").c_str(), 1);
   setenv("XDG_SESSION_TYPE", "x11", 1);
+  // The cache would be empty in this new folder. Its threads have the lowest priority, so that on a busy
+  // machine the program needs seconds to end.
+  setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
   unsetenv("WAYLAND_DISPLAY");
   for (const auto& [name, value] : environment_) setenv(name.c_str(), value.c_str(), 1);
   if (chdir(file(".").c_str()) != 0) _exit(126);
