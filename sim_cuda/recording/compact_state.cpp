@@ -26,6 +26,7 @@ class Packer {
   template <class Item>
   void list(const std::vector<Item>& items) {
     value(items.size());
+    if (items.empty()) return;
     if constexpr (sizeof(Item) % word_bytes == 0) {
       constexpr std::size_t columns = sizeof(Item) / word_bytes;
       for (std::size_t k = 0; k < columns; ++k)
@@ -88,6 +89,7 @@ class Unpacker {
     std::size_t count = 0;
     value(count);
     items.resize(count);
+    if (items.empty()) return;
     if constexpr (sizeof(Item) % word_bytes == 0) {
       constexpr std::size_t columns = sizeof(Item) / word_bytes;
       for (std::size_t k = 0; k < columns; ++k)

@@ -41,7 +41,7 @@ void History::clear() {
 }
 
 void History::forget_after(std::int64_t step) {
-  std::ranges::rotate(steps_, steps_.begin() + static_cast<std::ptrdiff_t>(first_));
+  std::rotate(steps_.begin(), steps_.begin() + static_cast<std::ptrdiff_t>(first_), steps_.end());
   first_ = 0;
   std::erase_if(steps_, [&](const auto& entry) { return entry->step > step; });
 }
