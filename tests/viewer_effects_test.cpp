@@ -10,6 +10,29 @@
 namespace collidoscope {
 namespace {
 
+TEST_F(Viewer, EscapeStopsAMeasurementWithinItsStep) {
+  WindowDriver window({"box_collider", "--variant", "scaled", "--bodies", "10000", "--steps", "2", "--size",
+                       "1280x800"});
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == false && f["step"] == 2; }, 60));
+  window.click("panel.effects");
+  window.click("effects.measure");
+  const auto measures = [](const Json& f) {
+    return f["measuring_effects"] == true && f["effects"]["guards"].contains("cost");
+  };
+  ASSERT_TRUE(window.wait_for(measures, 60)) << window.frame();
+  const std::string before = window.frame()["state_hash"];
+  window.move(640, 20);
+  window.key("Escape");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["measuring_effects"] == false; }));
+  EXPECT_EQ(window.frame()["notice"], "measurement stopped");
+  EXPECT_TRUE(window.frame()["error"].is_null());
+  window.key("s");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 3; }, 60)) << "the run continues";
+  window.click("effects.measure");
+  ASSERT_TRUE(window.wait_for(measures, 60)) << "it can begin again";
+  EXPECT_EQ(close(window), "");
+}
+
 TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
   WindowDriver window({"box_collider", "--bodies", "300", "--steps", "5", "--size", "1280x800"});
   const auto effect = [&](const char* name) { return window.frame()["effects"][name]; };

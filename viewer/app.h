@@ -65,6 +65,7 @@ class App {
   void end_work(const SimulationThread::Result& result);
   void show_progress();
   void cancel_work();
+  void stop_measurements();
   bool is_slow_to_change() const;
 
   /// Runs an action. An error is shown in the window, and pauses the run if `step` is set. Returns true if
@@ -153,6 +154,7 @@ class App {
   std::vector<std::function<bool()>> slices_;
   bool work_in_progress_ = false, slices_in_progress_ = false, step_in_progress_ = false,
        presimulating_ = false, cancel_requested_ = false;
+  bool measuring_ = false;  ///< a panel measures in slices
   Clock::time_point work_since_;
   Clock::time_point went_back_;  ///< time of the last step backwards
   std::string change_notice_;    ///< of the last change of settings

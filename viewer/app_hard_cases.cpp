@@ -14,6 +14,7 @@ void App::follow_hard_cases() {
   if (auto opened = stability_.take_opened()) show_case(std::move(*opened));
   if (stability_.done()) return;
   constexpr double slice = 20;  // ms
+  measuring_ = true;
   slices_.emplace_back([this] {
     stability_.advance(slice);
     return !stability_.done();

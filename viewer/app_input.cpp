@@ -131,6 +131,10 @@ void App::handle_key(const InputEvent& event) {
         cancel_work();
         break;
       }
+      if (measuring_) {
+        stop_measurements();
+        break;
+      }
       workspace_.help = false;
       workspace_.selection.reset();
       workspace_.tree.node.reset();

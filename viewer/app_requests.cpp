@@ -88,6 +88,7 @@ void App::measure_effects() {
   costs_generation_ = live_.generation();
   constexpr double slice = 10;  // ms per frame
   if (!workspace_.measure_effects || costs_.done()) return;
+  measuring_ = true;
   slices_.emplace_back([this] {
     costs_.advance(live_.world(), slice);
     return !costs_.done();
@@ -99,6 +100,7 @@ void App::measure_accuracy() {
   accuracy_.follow(live_.world(), live_.generation(), workspace_.accuracy);
   if (!workspace_.accuracy.running || accuracy_.done()) return;
   constexpr double slice = 20;  // ms
+  measuring_ = true;
   slices_.emplace_back([this] {
     accuracy_.advance(slice);
     return !accuracy_.done();

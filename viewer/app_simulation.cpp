@@ -6,6 +6,17 @@
 #include "viewer/app_error_bar.h"
 
 namespace collidoscope {
+namespace {
+
+bool is_cancelled(const std::exception_ptr& error) try {
+  std::rethrow_exception(error);
+} catch (const Cancelled&) {
+  return true;
+} catch (...) {
+  return false;
+}
+
+}  // namespace
 
 /// Whether something is to be done that needs the world, or that changes it.
 bool App::needs_world() const {
@@ -45,7 +56,7 @@ SimulationThread::Plan App::plan() const {
 void App::use_world() {
   handle_result();
   if (cancelled_) return;
-  presimulating_ = false;
+  presimulating_ = measuring_ = false;
   with_error_bar([&] { follow_settings(live_.settings()); });
   handle_requests();
   if (cancelled_) return;
@@ -88,6 +99,8 @@ void App::end_work(const SimulationThread::Result& result) {
     if (ended) with_error_bar([&] { work.then(); });
     if (!cancel_requested_ || !presimulating_) return;
     show_notice("settling cancelled");
+  } else if (!ended && !presimulating_ && cancel_requested_ && is_cancelled(result.error)) {
+    return;  // a slice of a measurement
   }
   presimulation_.reset();
   workspace_.settings = live_.settings();
@@ -135,6 +148,14 @@ void App::show_progress() {
 void App::cancel_work() {
   cancel_requested_ = true;
   if (options_.run.cancellation) options_.run.cancellation->request_between_steps();
+}
+
+/// Ends the measurements of all panels. A step of a measurement is not completed.
+void App::stop_measurements() {
+  workspace_.measure_effects = workspace_.accuracy.running = false;
+  workspace_.hard_cases.stop = true;
+  show_notice("measurement stopped");
+  if (slices_in_progress_) cancel_work();
 }
 
 /// A script or an earlier change can change the settings during a step. They replace the requested settings,
