@@ -17,6 +17,7 @@
 #include "tests/executors.h"
 #include "tests/gl_fixture.h"
 #include "tests/golden.h"
+#include "tests/single_panel.h"
 #include "tests/test_files.h"
 #include "ui/panels.h"
 #include "ui/plot.h"
@@ -147,44 +148,6 @@ std::vector<Residual> residuals_of_a_pile() {
   return residuals;
 }
 
-/// A single panel with a mouse.
-struct Alone {
-  using Panel = void (*)(Workspace&, const WorkspaceView&);
-  Alone(Panel draw_panel, int w, int h) : panel(draw_panel), width(w), height(h), frame(w, h) {}
-  void draw() {
-    gui.begin(width, height);
-    ImGui::GetIO().MousePos = pointer;
-    ImGui::GetIO().MouseDown[0] = pressed;  // used by the next frame
-    apply_theme(workspace.theme, ImGui::GetFontSize());
-    ImGui::SetNextWindowPos({0, 0});
-    ImGui::SetNextWindowSize({static_cast<float>(width), static_cast<float>(height)});
-    workspace.widgets.clear();
-    ImGui::Begin("details", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
-    panel(workspace, view);
-    ImGui::End();
-    gui.end(frame.target());
-  }
-  Image picture() {
-    for (int round = 0; round < 4; ++round) draw();
-    return frame.read();
-  }
-  void mouse(ImVec2 at, bool down) {
-    pointer = at;
-    pressed = down;
-    draw();
-    draw();
-  }
-
-  Panel panel;
-  int width, height;
-  GuiPass gui{13};
-  WindowFrame frame;
-  Workspace workspace;
-  WorkspaceView view;
-  ImVec2 pointer{-1, -1};
-  bool pressed = false;
-};
-
 /// An effect whose cost has an interquartile range from `low` to `high`, ms.
 EffectView costly(double low, double high) {
   EffectView effect;
@@ -203,7 +166,7 @@ EffectView costly(double low, double high) {
 TEST(PanelPicture, ACostThatIsNotKnownFromZeroIsGrey) {
   test_context();
   const auto picture = [&](double low, double high) {
-    Alone alone(draw_effects_panel, 338, 190);
+    SinglePanel alone(draw_effects_panel, 338, 190);
     alone.workspace.visible_panels.effects = true;
     alone.view.effect_views = {costly(low, high)};
     return alone.picture();
@@ -224,7 +187,7 @@ TEST(PanelPicture, ACostThatIsNotKnownFromZeroIsGrey) {
 }
 
 Image picture_of_convergence(Theme theme, ImVec2 pointer) {
-  Alone alone(draw_convergence_panel, 338, 190);
+  SinglePanel alone(draw_convergence_panel, 338, 190);
   alone.workspace.theme = theme;
   alone.workspace.visible_panels.convergence = true;
   alone.view.residuals = residuals_of_a_pile();
@@ -258,8 +221,8 @@ AccuracyView stored_study() {
 }
 
 /// The accuracy panel with this study.
-struct AccuracyPanel : Alone {
-  AccuracyPanel() : Alone(draw_accuracy_panel, 338, 470) {
+struct AccuracyPanel : SinglePanel {
+  AccuracyPanel() : SinglePanel(draw_accuracy_panel, 338, 470) {
     workspace.visible_panels.accuracy = true;
     allow(0.1);
     view.accuracy = &panel_view;
@@ -396,8 +359,8 @@ HardCasesView hard_cases() {
   return panel_view;
 }
 
-struct HardCasesPanel : Alone {
-  explicit HardCasesPanel(Theme theme) : Alone(draw_hard_cases_panel, 338, 450) {
+struct HardCasesPanel : SinglePanel {
+  explicit HardCasesPanel(Theme theme) : SinglePanel(draw_hard_cases_panel, 338, 450) {
     workspace.theme = theme;
     workspace.visible_panels.hard_cases = true;
     workspace.hard_cases.selected = "heavy_on_light_1e3";

@@ -17,7 +17,8 @@ void draw_effects_panel(Workspace& workspace,
                         const WorkspaceView& view);                       ///< effects and their costs
 void draw_timing_panel(Workspace& workspace, const WorkspaceView& view);  ///< table of stage times
 void draw_convergence_panel(Workspace& workspace,
-                            const WorkspaceView& view);                     ///< residuals of the solver
+                            const WorkspaceView& view);                       ///< residuals of the solver
+void draw_launch_map_panel(Workspace& workspace, const WorkspaceView& view);  ///< time over B and T
 void draw_accuracy_panel(Workspace& workspace, const WorkspaceView& view);  ///< error versus cost of settings
 void draw_hard_cases_panel(Workspace& workspace, const WorkspaceView& view);  ///< results of the hard cases
 void draw_break_panel(Workspace& workspace, const WorkspaceView& view);       ///< break conditions

@@ -144,6 +144,7 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
       draw_tree_panel(workspace, view);
       draw_effects_panel(workspace, view);
       draw_timing_panel(workspace, view);
+      draw_launch_map_panel(workspace, view);
       draw_convergence_panel(workspace, view);
       draw_accuracy_panel(workspace, view);
       draw_hard_cases_panel(workspace, view);

@@ -26,6 +26,7 @@
 #include "ui/break_view.h"
 #include "ui/effect_view.h"
 #include "ui/hard_cases_view.h"
+#include "ui/launch_map_view.h"
 #include "ui/legend_text.h"
 #include "ui/reference_view.h"
 #include "ui/tree_panel_view.h"
@@ -69,8 +70,8 @@ struct PanelVisibility {
   bool left = true, right = true, bottom = true;  ///< whole columns and the bottom strip
   bool run = true, settings = true, layers = true, camera = true, timing = true, numbers = true,
        inspector = true, tree = false, convergence = false,  ///< measured only while open
-      effects = false, breaks = false, hard_cases = false,
-       accuracy = false;  ///< measured only while open
+      effects = false, breaks = false, hard_cases = false, accuracy = false,
+       launch_map = false;  ///< measured only while open
 
   friend bool operator==(const PanelVisibility&, const PanelVisibility&) = default;
 };
@@ -122,6 +123,7 @@ struct Workspace {
 
   TreeRequests tree;
   AccuracyRequests accuracy;
+  LaunchMapRequests launch_map;
   HardCasesRequests hard_cases;
   BreakRequests breaks;
 
@@ -234,6 +236,7 @@ struct WorkspaceView {
   const BodyReport* selected = nullptr;
   const TreePanelView* tree = nullptr;        ///< null: not requested
   const AccuracyView* accuracy = nullptr;     ///< null: not requested
+  const LaunchMapView* launch_map = nullptr;  ///< null: not requested
   const HardCasesView* hard_cases = nullptr;  ///< null: not requested
   std::vector<std::uint32_t> mark_colors;     ///< indexed by BoxMark
   /// Outline of the selected body in pixels of the window; empty if it is not visible.

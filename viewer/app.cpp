@@ -226,6 +226,10 @@ void App::follow_panels() {
     measuring_effects_ = workspace_.measure_effects && !costs_.done();
   }
   if (shows_accuracy()) accuracy_view_ = accuracy_.view(live_.world(), workspace_.accuracy);
+  if (shows_launch_map()) {
+    launch_map_view_ = launch_map_.view(live_.world());
+    launch_map_view_.colors = value_legend();
+  }
   if (shows_hard_cases()) hard_cases_view_ = stability_.view();
   reference_view_ = reference_.view();
 }
@@ -238,6 +242,7 @@ void App::fill(WorkspaceView& view) {
     view.measuring_effects = measuring_effects_;
   }
   if (shows_accuracy()) view.accuracy = &accuracy_view_;
+  if (shows_launch_map()) view.launch_map = &launch_map_view_;
   if (shows_hard_cases()) view.hard_cases = &hard_cases_view_;
   view.reference = reference_view_;
   if (view.reference.name.empty())

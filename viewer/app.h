@@ -19,6 +19,7 @@
 #include "viewer/session/effect_costs.h"
 #include "viewer/session/live_accuracy.h"
 #include "viewer/session/live_breakpoints.h"
+#include "viewer/session/live_launch_map.h"
 #include "viewer/session/live_reference.h"
 #include "viewer/session/live_stability.h"
 #include "viewer/session/live_world.h"
@@ -102,6 +103,10 @@ class App {
     return workspace_.visible_panels.right && workspace_.visible_panels.accuracy;
   }
   void measure_accuracy();
+  bool shows_launch_map() const {
+    return workspace_.visible_panels.right && workspace_.visible_panels.launch_map;
+  }
+  void measure_launch_map();
   void save_picture();
 
   // Stops by guards and break conditions (app_breaks.cpp).
@@ -134,6 +139,7 @@ class App {
   TreeInspector tree_;
   LiveReference reference_;
   LiveAccuracy accuracy_;
+  LiveLaunchMap launch_map_;
   LiveBreakpoints breaks_;
   LiveStability stability_;
   std::unique_ptr<PublishedState> next_;  ///< the state that is being drawn
@@ -180,6 +186,7 @@ class App {
   std::vector<EffectView> effects_;
   bool measuring_effects_ = false;
   AccuracyView accuracy_view_;
+  LaunchMapView launch_map_view_;
   HardCasesView hard_cases_view_;
   ReferenceView reference_view_;
 

@@ -46,6 +46,7 @@ void App::handle_requests() {
   with_error_bar([&] { follow_reference(); });
   with_error_bar([&] { measure_effects(); });
   with_error_bar([&] { measure_accuracy(); });
+  with_error_bar([&] { measure_launch_map(); });
   with_error_bar([&] { follow_hard_cases(); });
 }
 
@@ -104,6 +105,18 @@ void App::measure_accuracy() {
   slices_.emplace_back([this] {
     accuracy_.advance(slice);
     return !accuracy_.done();
+  });
+}
+
+void App::measure_launch_map() {
+  if (!shows_launch_map()) return;
+  launch_map_.follow(live_.generation(), workspace_.launch_map);
+  if (!workspace_.launch_map.running || launch_map_.done()) return;
+  constexpr double slice = 20;  // ms
+  measuring_ = true;
+  slices_.emplace_back([this, budget = workspace_.launch_map.budget] {
+    launch_map_.advance(live_.world(), budget, slice);
+    return !launch_map_.done();
   });
 }
 

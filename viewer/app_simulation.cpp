@@ -28,8 +28,8 @@ bool App::needs_world() const {
       w.step_requests > 0 || w.other_run_requested || w.reference_requested || w.tree.node || w.tree.rank ||
       w.camera_request == CameraRequest::frame_all || w.camera_request == CameraRequest::frame_selection ||
       w.breaks.stop != StopRequest::none;
-  const bool measured =
-      panels.right && (panels.tree || panels.effects || panels.accuracy || panels.hard_cases);
+  const bool measured = panels.right && (panels.tree || panels.effects || panels.accuracy ||
+                                         panels.launch_map || panels.hard_cases);
   return !w.playing || requested || measured || w.adjusting_result || w.layers.needs_reference() ||
          slices_in_progress_ || w.settings != known_settings_;
 }
@@ -152,7 +152,7 @@ void App::cancel_work() {
 
 /// Ends the measurements of all panels. A step of a measurement is not completed.
 void App::stop_measurements() {
-  workspace_.measure_effects = workspace_.accuracy.running = false;
+  workspace_.measure_effects = workspace_.accuracy.running = workspace_.launch_map.running = false;
   workspace_.hard_cases.stop = true;
   show_notice("measurement stopped");
   if (slices_in_progress_) cancel_work();

@@ -160,9 +160,13 @@ double LaunchTuner::time_steps(World& world) {
 void LaunchTuner::note_stages(const World& world, std::size_t column) {
   for (const StageTime& stage : world.latest_times().stages) {
     auto found = std::ranges::find(stages_, stage.name, &StageSamples::name);
-    if (found == stages_.end()) found = stages_.insert(found, {stage.name, false, {}});
+    if (found == stages_.end()) found = stages_.insert(found, {stage.name, false, {}, {}});
     found->obeys |= stage.launch.threads > 0 && !stage.library_launch;
-    if (found->ms.size() <= column) found->ms.resize(column + 1);
+    if (found->ms.size() <= column) {
+      found->ms.resize(column + 1);
+      found->launch.resize(column + 1);
+    }
+    found->launch[column] = stage.launch;
     found->ms[column].push_back(static_cast<float>(stage.last_ms));
   }
 }
@@ -172,10 +176,20 @@ double LaunchTuner::reference_ms() const { return median_of(reference_ms_); }
 std::vector<LaunchTuner::Stage> LaunchTuner::stages() const {
   std::vector<Stage> result;
   for (const StageSamples& samples : stages_) {
-    Stage stage{samples.name, samples.obeys, 0, {}};
+    Stage stage{samples.name, samples.obeys, 0, {}, {}, {}};
     stage.cell_ms.assign(search_.cells().size(), std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t column = 0; column < samples.ms.size(); ++column)
-      (column == 0 ? stage.reference_ms : stage.cell_ms[column - 1]) = median_of(samples.ms[column]);
+    stage.occupancy.assign(search_.cells().size(), 0);
+    for (std::size_t column = 0; column < samples.ms.size(); ++column) {
+      const StageLaunch& launch = samples.launch[column];
+      if (column > 0) {
+        stage.cell_ms[column - 1] = median_of(samples.ms[column]);
+        stage.occupancy[column - 1] = launch.occupancy;
+        continue;
+      }
+      stage.reference_ms = median_of(samples.ms[column]);
+      if (launch.multiprocessors > 0)
+        stage.reference_shape = {static_cast<int>(launch.blocks), launch.threads};
+    }
     result.push_back(std::move(stage));
   }
   return result;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "sim_cuda/core/stage_launch.h"
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/tuning/launch_search.h"
 #include "sim_cuda/world.h"
@@ -45,7 +46,10 @@ class LaunchTuner {
     std::string name;
     bool obeys = false;           ///< (B, T); the others are launched by libraries
     double reference_ms = 0;      ///< median
-    std::vector<double> cell_ms;  ///< median, by cell of search().cells(); NaN: not measured
+    LaunchShape reference_shape;  ///< that the reference used; 0: not known
+    // By cell of search().cells():
+    std::vector<double> cell_ms;    ///< median; NaN: not measured
+    std::vector<double> occupancy;  ///< 0 to 1; 0: not known
   };
   std::vector<Stage> stages() const;
 
@@ -83,7 +87,9 @@ class LaunchTuner {
   struct StageSamples {
     std::string name;
     bool obeys;
-    std::vector<std::vector<float>> ms;  ///< column 0: the reference; then by cell
+    // Column 0: the reference; then by cell.
+    std::vector<std::vector<float>> ms;
+    std::vector<StageLaunch> launch;
   };
   std::vector<StageSamples> stages_;
 };

@@ -12,6 +12,12 @@ std::uint32_t packed(const Rgb& color) {
 
 }  // namespace
 
+std::vector<std::uint32_t> value_legend() {
+  std::vector<std::uint32_t> colors;
+  for (const Rgb& one : color_map()) colors.push_back(packed(one));
+  return colors;
+}
+
 Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& stats) {
   Legend legend;
   if (color == BodyColor::id) return legend;  // adjacent ids have different colours, without a scale
@@ -23,7 +29,7 @@ Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& st
   legend.logarithmic = range.logarithmic;
   legend.clamped_above =
       color == BodyColor::speed ? stats.max_speed > range.max : color == BodyColor::contacts;
-  for (const Rgb& one : color_map()) legend.colors.push_back(packed(one));
+  legend.colors = value_legend();
   legend.clamped_below = color == BodyColor::error;
   if (color == BodyColor::sleep) {
     legend.low_word = "asleep";

@@ -15,6 +15,8 @@ namespace collidoscope {
 Legend body_legend(BodyColor color, const ValueRange& range, const StepStats& stats);
 /// Legend of boxes coloured by a metric. No title for the level: see level_legend().
 Legend box_legend(NodeMetric metric, const ValueRange& range);
+/// Colours of ascending values, perceptually uniform.
+std::vector<std::uint32_t> value_legend();
 /// Contact colours from range.max_impulse / 1000 to range.max_impulse, on a logarithmic scale.
 std::vector<std::uint32_t> contact_legend();
 /// Colours of ghosts and of error vectors.

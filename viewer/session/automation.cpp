@@ -80,6 +80,30 @@ nlohmann::ordered_json accuracy_json(const Workspace& workspace, const Workspace
   return accuracy;
 }
 
+/// Contents of the launch map panel; null while it is folded.
+nlohmann::ordered_json launch_map_json(const Workspace& workspace, const WorkspaceView& view) {
+  using Json = nlohmann::ordered_json;
+  if (view.launch_map == nullptr) return nullptr;
+  const LaunchMapView& panel = *view.launch_map;
+  Json map = {{"running", workspace.launch_map.running},
+              {"done", panel.done},
+              {"spent", panel.spent},
+              {"budget", panel.budget},
+              {"state", panel.start_state},
+              {"now", {panel.now.blocks, panel.now.threads}},
+              {"lack", panel.unavailable_reason},
+              {"verdict", panel.verdict},
+              {"cells", Json::array()}};
+  map["chosen"] = panel.chosen ? Json(*panel.chosen) : Json(nullptr);
+  for (const LaunchCell& cell : panel.cells)
+    map["cells"].push_back({{"shape", {cell.shape.blocks, cell.shape.threads}},
+                            {"state", static_cast<int>(cell.state)},
+                            {"pairs", cell.ratios.size()}});
+  for (const LaunchMapPlace& place : workspace.launch_map.places)
+    map["places"].push_back({{"cell", place.cell}, {"at", {place.x, place.y}}});
+  return map;
+}
+
 /// Contents of the hard cases panel; null while it is folded.
 nlohmann::ordered_json hard_cases_json(const Workspace& workspace, const WorkspaceView& view) {
   using Json = nlohmann::ordered_json;
@@ -181,6 +205,7 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                        {"since", view.reference.start_state}, {"rms", view.reference.rms},
                        {"max", view.reference.max},           {"doubt", view.reference.error_estimate}};
   line["accuracy"] = accuracy_json(workspace, view);
+  line["launch_map"] = launch_map_json(workspace, view);
   line["hard_cases"] = hard_cases_json(workspace, view);
   line["stop"] = nullptr;
   if (view.stop)

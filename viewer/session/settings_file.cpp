@@ -48,6 +48,7 @@ std::vector<Switch> switches(FrameLayers& layers, PanelVisibility& visible_panel
           {"inspector", visible_panels.inspector},
           {"convergence", visible_panels.convergence},
           {"accuracy", visible_panels.accuracy},
+          {"launch_map", visible_panels.launch_map},
           {"hard_cases", visible_panels.hard_cases},
           {"breaks", visible_panels.breaks}};
 }
