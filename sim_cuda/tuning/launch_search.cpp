@@ -25,6 +25,7 @@ LaunchSearch::LaunchSearch(const std::vector<int>& blocks, const std::vector<int
     : thread_unit_(thread_unit), middle_(middle), blocks_(blocks) {
   for (const int b : blocks)
     for (const int t : threads) cells_.push_back({.shape = {b, t}, .reason = {}, .ratios = {}, .ms = {}});
+  grid_size_ = cells_.size();
   std::vector<std::size_t> all(cells_.size());
   for (std::size_t k = 0; k < all.size(); ++k) all[k] = k;
   std::ranges::stable_sort(all, {}, [&](std::size_t k) { return std::abs(from_middle(cells_[k].shape)); });

@@ -44,10 +44,22 @@ class LaunchTuner {
   struct Stage {
     std::string name;
     bool obeys = false;           ///< (B, T); the others are launched by libraries
+    StageLaunch launch{};         ///< of the reference
     double reference_ms = 0;      ///< median
     std::vector<double> cell_ms;  ///< median, by cell of search().cells(); NaN: not measured
   };
   std::vector<Stage> stages() const;
+
+  /// How long the measurements of a cell took, of all its tasks, ms.
+  struct CellTimes {
+    double search = 0;                                  ///< the decision to measure it
+    double setup = 0;                                   ///< change of shape, and the first steps
+    double benchmark = 0;                               ///< timed steps of cell and reference
+    double check = 0;                                   ///< state hashes
+    std::chrono::system_clock::time_point measured_at;  ///< end of the last task
+  };
+  /// By cell; may be shorter than search().cells().
+  const std::vector<CellTimes>& cell_times() const { return cell_times_; }
 
   /// The best shape of each stage that obeys (B, T), if its time is below that of the reference.
   StageShapes stage_shapes() const;
@@ -61,10 +73,10 @@ class LaunchTuner {
 
  private:
   using Clock = std::chrono::steady_clock;
-  void measure(const LaunchSearch::Task& task);
+  void measure(const LaunchSearch::Task& task, double search_ms);
   void measure_stage_shapes();
   /// Calls `note` with the times of each pair, ms per step. Returns "", or how the states differ.
-  std::string measure_pairs(int pairs, const std::function<void(double, double)>& note);
+  std::string measure_pairs(int pairs, const std::function<void(double, double)>& note, CellTimes& times);
   double time_steps(World& world);
   void note_stages(const World& world, std::size_t column);
 
@@ -80,9 +92,11 @@ class LaunchTuner {
   std::string stage_difference_;
   Clock::time_point ends_;  ///< of the budget
   std::vector<double> reference_ms_;
+  std::vector<CellTimes> cell_times_;
   struct StageSamples {
     std::string name;
     bool obeys;
+    StageLaunch launch;                  ///< of the reference
     std::vector<std::vector<float>> ms;  ///< column 0: the reference; then by cell
   };
   std::vector<StageSamples> stages_;
