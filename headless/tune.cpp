@@ -1,7 +1,6 @@
 #include "headless/tune.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,35 +12,16 @@
 #include "headless/cli/output_file.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
-#include "sim_cuda/core/physics_version.h"
+#include "headless/pictures/chart_picture.h"
+#include "headless/tuning/launch_map.h"
+#include "headless/tuning/tuned_run.h"
+#include "headless/tuning/tuner_files.h"
 #include "sim_cuda/tuning/launch_tuner.h"
 
 namespace collidoscope {
 namespace {
 
 using TuneJson = nlohmann::ordered_json;
-
-const char* name_of_state(LaunchCell::State state) {
-  switch (state) {
-    case LaunchCell::State::waiting:
-      return "not measured";
-    case LaunchCell::State::measured:
-      return "measured";
-    case LaunchCell::State::infeasible:
-      return "infeasible";
-    case LaunchCell::State::left_out:
-      return "left out";
-    case LaunchCell::State::wrong:
-      return "wrong hash";
-  }
-  return "";
-}
-
-std::string shape_text(LaunchShape shape) {
-  const auto part = [](int value) { return value == 0 ? "auto" : std::to_string(value); };
-  if (shape == LaunchShape{}) return "auto";
-  return "B = " + part(shape.blocks) + ", T = " + part(shape.threads);
-}
 
 TuneJson estimate_json(const RatioEstimate& estimate) {
   TuneJson json{
@@ -50,37 +30,29 @@ TuneJson estimate_json(const RatioEstimate& estimate) {
   return json;
 }
 
-/// "solve=264x128,relax=528x64".
-std::string stage_shapes_text(const StageShapes& shapes) {
-  std::vector<std::string> parts;
-  for (const auto& [stage, shape] : shapes)
-    parts.push_back(fmt::format("{}={}x{}", stage, shape.blocks, shape.threads));
-  return fmt::format("{}", fmt::join(parts, ","));
-}
-
 double best_ms(const LaunchTuner& tuner, const LaunchTuner::Stage& stage, LaunchShape shape) {
   const std::vector<LaunchCell>& cells = tuner.search().cells();
   const auto cell = std::ranges::find(cells, shape, &LaunchCell::shape);
   return stage.cell_ms[static_cast<std::size_t>(cell - cells.begin())];
 }
 
-TuneJson report_of(World& world, const LaunchTuner& tuner) {
+TuneJson report_of(const TunedRun& run, const LaunchTuner& tuner) {
   const LaunchSearch& search = tuner.search();
-  TuneJson report{{"scene", world.scene().name},
-                  {"bodies", world.initial().radius.size()},
-                  {"state", world.steps()},
-                  {"device", world.info().device_name},
-                  {"broad_phase", world.options().broad_phase},
-                  {"physics_version", physics_version},
-                  {"reference", {{"shape", shape_text(tuner.reference())}, {"ms", tuner.reference_ms()}}},
+  TuneJson report{{"scene", run.scene},
+                  {"bodies", run.bodies},
+                  {"state", run.state},
+                  {"device", run.device},
+                  {"broad_phase", run.broad_phase},
+                  {"physics_version", run.physics_version},
+                  {"reference", {{"shape", shape_text(run.reference)}, {"ms", run.reference_ms}}},
                   {"seconds", tuner.spent()}};
   report["cells"] = TuneJson::array();
   for (const LaunchCell& cell : search.cells()) {
     TuneJson one{
-        {"blocks", cell.shape.blocks}, {"threads", cell.shape.threads}, {"state", name_of_state(cell.state)}};
+        {"blocks", cell.shape.blocks}, {"threads", cell.shape.threads}, {"state", name_of(cell.state)}};
     if (!cell.reason.empty()) one["reason"] = cell.reason;
     if (!cell.ratios.empty()) {
-      one["ms"] = estimate_ratio(cell.ms).ratio;
+      one["ms"] = median_ms(cell);
       one["ratio"] = estimate_json(cell.estimate());
     }
     report["cells"].push_back(std::move(one));
@@ -134,7 +106,7 @@ std::string map_text(const LaunchTuner& tuner) {
       else if (cell->state == LaunchCell::State::wrong)
         entry = "WRONG";
       else
-        entry = fmt::format("{:.3f}", estimate_ratio(cell->ms).ratio);
+        entry = fmt::format("{:.3f}", median_ms(*cell));
       const bool is_chosen = search.chosen() && &search.cells()[*search.chosen()] == &*cell;
       text += fmt::format("{:>8}{}", entry, is_chosen ? '*' : ' ');
     }
@@ -143,19 +115,16 @@ std::string map_text(const LaunchTuner& tuner) {
   return text + "* chosen; - left out, beyond a much slower shape; x infeasible\n";
 }
 
-std::string text_of(World& world, const LaunchTuner& tuner) {
+std::string text_of(const TunedRun& run, const LaunchTuner& tuner) {
   const LaunchSearch& search = tuner.search();
-  const std::string reference = shape_text(tuner.reference());
-  std::string text = fmt::format("{}, {} bodies, state {}, on {}: {} takes {:.3f} ms per step\n\n{}\n",
-                                 world.scene().name, world.initial().radius.size(), world.steps(),
-                                 world.info().device_name, reference, tuner.reference_ms(), map_text(tuner));
+  const std::string reference = shape_text(run.reference);
+  std::string text =
+      fmt::format("{}, {} bodies, state {}, on {}: {} takes {:.3f} ms per step\n\n{}\n", run.scene,
+                  run.bodies, run.state, run.device, reference, run.reference_ms, map_text(tuner));
   const std::optional<std::size_t> chosen = search.chosen();
-  if (!chosen) return text + "no shape was measured; a longer --budget is needed\n";
-  // A shape that is not faster is not worth a setting.
-  const bool faster = search.confirmation().high < 1;
-  text += fmt::format("{}: {}; {}the centre of {} shapes that cannot be told apart; {:.1f} s\n\n",
-                      shape_text(search.cells()[*chosen].shape), verdict(search.confirmation(), reference),
-                      faster ? "" : "so keep " + reference + "; ", search.plateau().size(), tuner.spent());
+  if (!chosen) return text + verdict_line(search, run.reference) + '\n';
+  text += fmt::format("{}; the centre of {} shapes that cannot be told apart; {:.1f} s\n\n",
+                      verdict_line(search, run.reference), search.plateau().size(), tuner.spent());
   text += fmt::format("{:<20}{:>10}{:>10}{:>10}  {}\n", "ms of a stage", "reference", "chosen", "best",
                       "best shape");
   const StageShapes best = tuner.stage_shapes();
@@ -175,8 +144,17 @@ std::string text_of(World& world, const LaunchTuner& tuner) {
 
 int tune_command(const CommandLine& line) {
   const Options& options = line.options;
-  std::optional<OutputFile> json;
-  if (!options.json.empty() && options.json != "-") json.emplace("--json", options.json);
+  // All files are tried before anything is measured.
+  const auto file = [](const char* flag, const std::string& name) {
+    return name.empty() ? std::nullopt : std::optional<OutputFile>(std::in_place, flag, name);
+  };
+  std::optional<OutputFile> json = file("--json", options.json == "-" ? "" : options.json),
+                            cache = file("--kernel-tuner", options.tune.kernel_tuner),
+                            results = file("--t4", options.tune.t4);
+  if (!options.tune.picture.empty()) {
+    OutputFile("--picture", options.tune.picture);
+    ChartPicture(8, 8);  // throws if the machine cannot draw
+  }
   const Start start = load_start(line);
   World world = start.world(options.run);
   world.step(static_cast<int>(options.steps_or(60)));
@@ -188,12 +166,19 @@ int tune_command(const CommandLine& line) {
       progress.update(std::min<std::int64_t>(std::llround(1000 * tuner.spent() / options.tune.budget), 1000));
     }
   }
-  const std::string report = report_of(world, tuner).dump(2) + '\n';
-  if (json) {
-    json->write(report);
-    json->commit();
-  }
-  print(options.json == "-" ? report : text_of(world, tuner));
+  const TunedRun run = tuned_run(world, tuner);
+  const std::string report = report_of(run, tuner).dump(2) + '\n';
+  const auto write = [](std::optional<OutputFile>& target, const auto& text_of_file) {
+    if (!target) return;
+    target->write(text_of_file());
+    target->commit();
+  };
+  write(json, [&] { return report; });
+  write(cache, [&] { return kernel_tuner_cache(run, tuner.search()); });
+  write(results, [&] { return t4_results(run, tuner.search()); });
+  if (!options.tune.picture.empty())
+    write_png(ChartPicture().draw(launch_map(run, tuner.search())), options.tune.picture);
+  print(options.json == "-" ? report : text_of(run, tuner));
   int wrong = 0;
   for (const LaunchCell& cell : tuner.search().cells()) {
     if (cell.state != LaunchCell::State::wrong) continue;

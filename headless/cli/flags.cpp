@@ -152,6 +152,7 @@ constexpr auto draw = &CaptureRequest::draw;
 constexpr auto layers = &CaptureRequest::layers;
 constexpr auto bench = &Options::bench;
 constexpr auto stability = &Options::stability;
+constexpr auto tune = &Options::tune;
 
 template <auto... path>
 auto& member(Options& options) {
@@ -342,9 +343,13 @@ std::vector<Flag> all_flags() {
           options.accuracy.seconds = value.number(1e-6, 1e6, "s").value_or(0);
         }}});
   add("Launch tuning", tuning,
-      {{"--budget", "S", "s: time of all measurements together [20]", [](FlagValue& value, Options& options) {
+      {{"--budget", "S", "s: time of all measurements together [20]",
+        [](FlagValue& value, Options& options) {
           options.tune.budget = value.number(0.1, 1e5, "s").value_or(0);
-        }}});
+        }},
+       {"--picture", "FILE", "PNG of the map of step times", file<tune, &TuneOptions::picture>},
+       {"--kernel-tuner", "FILE", "shapes as a Kernel Tuner cache", file<tune, &TuneOptions::kernel_tuner>},
+       {"--t4", "FILE", "shapes as T4 auto-tuning results", file<tune, &TuneOptions::t4>}});
   add("Stability tests", testing,
       {{"--extended", "", "run the long variants of the cases", on<stability, &StabilityOptions::extended>},
        {"--inject-faults", "", "run the injected-fault self-tests instead of the test cases",

@@ -62,7 +62,8 @@ struct StabilityOptions {
 
 /// What only `tune` takes.
 struct TuneOptions {
-  double budget = 20;  ///< s, of all measurements together
+  double budget = 20;                     ///< s, of all measurements together
+  std::string picture, kernel_tuner, t4;  ///< files, or empty
 };
 
 struct Options {

@@ -1,11 +1,12 @@
 #pragma once
-// Draws charts to images without a window. Owns an OpenGL context and an ImGui context; only one object may
-// exist at a time.
+// Draws charts and heat maps to images without a window. Owns an OpenGL context and an ImGui context; only
+// one object may exist at a time.
 
 #include <string>
 
 #include "headless/pictures/egl_context.h"
 #include "ui/chart.h"
+#include "ui/heat_map.h"
 #include "viewer/render/gui_pass.h"
 #include "viewer/render/window_frame.h"
 
@@ -16,8 +17,13 @@ class ChartPicture {
   /// Sizes in pixels. Throws MachineError if the machine cannot draw.
   ChartPicture(int width = 1500, int height = 950);
   Image draw(const Chart& chart);
+  Image draw(const HeatMap& map);
 
  private:
+  /// `page(width, height)` draws ImGui windows.
+  template <class Page>
+  Image draw_page(const Page& page);
+
   EglContext context_;
   GuiPass gui_;
   WindowFrame frame_;

@@ -25,6 +25,7 @@ LaunchSearch::LaunchSearch(const std::vector<int>& blocks, const std::vector<int
     : thread_unit_(thread_unit), middle_(middle), blocks_(blocks) {
   for (const int b : blocks)
     for (const int t : threads) cells_.push_back({.shape = {b, t}, .reason = {}, .ratios = {}, .ms = {}});
+  grid_size_ = cells_.size();
   std::vector<std::size_t> all(cells_.size());
   for (std::size_t k = 0; k < all.size(); ++k) all[k] = k;
   std::ranges::stable_sort(all, {}, [&](std::size_t k) { return std::abs(from_middle(cells_[k].shape)); });
@@ -49,24 +50,34 @@ std::vector<std::size_t> LaunchSearch::fastest_first() const {
   return result;
 }
 
-/// Whether the next cell of the same T towards the middle is much slower than the best one, or left out.
+/// Whether the next cell of the same T towards the middle is left out, or is much slower than the best one
+/// and slower than its own next cell: farther cells are slower still.
 bool LaunchSearch::is_left_out(std::size_t cell) {
   const LaunchShape shape = cells_[cell].shape;
-  const auto own = std::ranges::find(blocks_, shape.blocks);
-  const bool few = from_middle(shape) < 0;
-  if (own == blocks_.end() || (few ? own + 1 == blocks_.end() : own == blocks_.begin())) return false;
-  const LaunchShape inner{few ? *(own + 1) : *(own - 1), shape.threads};
-  if (std::abs(from_middle(inner)) > std::abs(from_middle(shape))) return false;
-  double best = std::numeric_limits<double>::infinity();
-  for (const LaunchCell& other : cells_)
-    if (!other.ratios.empty()) best = std::min(best, other.estimate().ratio);
-  const LaunchCell& one = *std::ranges::find(cells_, inner, &LaunchCell::shape);
-  const bool slow = !one.ratios.empty() && one.estimate().ratio > much_slower * best;
-  if (!slow && one.state != LaunchCell::State::left_out) return false;
-  exclude(
-      cell, LaunchCell::State::left_out,
-      std::to_string(inner.blocks) + " x " + std::to_string(inner.threads) + " is much slower than the best");
-  return true;
+  const std::ptrdiff_t own = std::ranges::find(blocks_, shape.blocks) - blocks_.begin();
+  const std::ptrdiff_t step = from_middle(shape) < 0 ? 1 : -1;
+  const auto inner_cell = [&](std::ptrdiff_t steps) -> const LaunchCell* {
+    const std::ptrdiff_t at = own + steps * step;
+    if (at < 0 || at >= std::ssize(blocks_)) return nullptr;
+    const LaunchShape inner{blocks_[static_cast<std::size_t>(at)], shape.threads};
+    return &*std::ranges::find(cells_, inner, &LaunchCell::shape);
+  };
+  const LaunchCell *const one = inner_cell(1), *const two = inner_cell(2);
+  if (one == nullptr || std::abs(from_middle(one->shape)) > std::abs(from_middle(shape))) return false;
+  bool left_out = one->state == LaunchCell::State::left_out;
+  if (!left_out && !one->ratios.empty() && two != nullptr && !two->ratios.empty()) {
+    double best = std::numeric_limits<double>::infinity();
+    for (const LaunchCell& other : cells_)
+      if (!other.ratios.empty()) best = std::min(best, std::ranges::max(other.ratios));
+    // With two pairs, one of them may be an outlier: its cell must not hide others.
+    const double fastest = std::ranges::min(one->ratios);
+    left_out = fastest > much_slower * best && fastest > std::ranges::max(two->ratios);
+  }
+  if (left_out)
+    exclude(cell, LaunchCell::State::left_out,
+            std::to_string(one->shape.blocks) + " x " + std::to_string(one->shape.threads) +
+                " is much slower than the best");
+  return left_out;
 }
 
 std::optional<LaunchSearch::Task> LaunchSearch::next() {

@@ -53,7 +53,9 @@ class LaunchSearch {
   /// Ends the comparisons, because time is short: only the confirmation follows.
   void hurry();
 
+  /// The first grid_size() cells are all pairs of the values of B and T; shapes between them follow.
   const std::vector<LaunchCell>& cells() const { return cells_; }
+  std::size_t grid_size() const { return grid_size_; }
   /// Cells that cannot be told apart from the best one, and the one in their centre. Empty without a
   /// measured cell.
   std::vector<std::size_t> plateau() const;
@@ -75,6 +77,7 @@ class LaunchSearch {
   std::vector<std::size_t> shapes_around(std::size_t cell);
 
   std::vector<LaunchCell> cells_;
+  std::size_t grid_size_ = 0;
   int thread_unit_;
   std::int64_t middle_;
   std::vector<int> blocks_;

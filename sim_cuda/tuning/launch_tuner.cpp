@@ -78,7 +78,7 @@ void LaunchTuner::advance(double milliseconds) {
     if (spent_ > search_share * budget_) search_.hurry();
     const std::optional<LaunchSearch::Task> task = search_.next();
     if (task) {
-      measure(*task);
+      measure(*task, 1e3 * seconds_since(before));
     } else {
       measure_stage_shapes();
       done_ = true;
@@ -88,27 +88,41 @@ void LaunchTuner::advance(double milliseconds) {
   }
 }
 
-void LaunchTuner::measure(const LaunchSearch::Task& task) {
+void LaunchTuner::measure(const LaunchSearch::Task& task, double search_ms) {
+  const Clock::time_point start = Clock::now();
+  CellTimes times;
   try {
     candidate_.set_launch_shape(search_.cells()[task.cell].shape);
-    const std::string difference = measure_pairs(task.pairs, [&](double ms, double reference_ms) {
-      search_.add(task.cell, ms, reference_ms);
-      reference_ms_.push_back(reference_ms);
-      note_stages(reference_, 0);
-      note_stages(candidate_, task.cell + 1);
-    });
+    const std::string difference = measure_pairs(
+        task.pairs,
+        [&](double ms, double reference_ms) {
+          search_.add(task.cell, ms, reference_ms);
+          reference_ms_.push_back(reference_ms);
+          note_stages(reference_, 0);
+          note_stages(candidate_, task.cell + 1);
+        },
+        times);
     if (!difference.empty()) search_.exclude(task.cell, LaunchCell::State::wrong, difference);
   } catch (const MachineError& error) {
     search_.exclude(task.cell, LaunchCell::State::infeasible, error.what());
   }
+  if (cell_times_.size() <= task.cell) cell_times_.resize(task.cell + 1);
+  CellTimes& sum = cell_times_[task.cell];
+  sum.search += search_ms;
+  sum.setup += 1e3 * seconds_since(start) - times.benchmark - times.check;
+  sum.benchmark += times.benchmark;
+  sum.check += times.check;
+  sum.measured_at = std::chrono::system_clock::now();
 }
 
-std::string LaunchTuner::measure_pairs(int pairs, const std::function<void(double, double)>& note) {
+std::string LaunchTuner::measure_pairs(int pairs, const std::function<void(double, double)>& note,
+                                       CellTimes& times) {
   // The first steps after a change make graphs and fill caches.
   for (World* world : {&candidate_, &reference_}) {
     world->restore(state_);
     world->step(steps_of_pair);
   }
+  const Clock::time_point first_pair = Clock::now();
   for (int pair = 0; pair < pairs && (pair == 0 || Clock::now() < ends_); ++pair) {
     const bool first = pair % 2 == 0;
     double reference_ms = first ? time_steps(reference_) : 0;
@@ -116,7 +130,10 @@ std::string LaunchTuner::measure_pairs(int pairs, const std::function<void(doubl
     if (!first) reference_ms = time_steps(reference_);
     note(ms, reference_ms);
   }
+  times.benchmark = 1e3 * seconds_since(first_pair);
+  const Clock::time_point last_pair = Clock::now();
   const std::uint64_t expected = hash_(reference_), actual = hash_(candidate_);
+  times.check = 1e3 * seconds_since(last_pair);
   if (actual == expected) return "";
   return fmt::format("state {}: hash {:016x}, expected {:016x}", candidate_.steps(), actual, expected);
 }
@@ -146,9 +163,10 @@ void LaunchTuner::measure_stage_shapes() {
   if (shapes.empty()) return;
   candidate_.set_launch_shape(shape_);
   candidate_.set_stage_shapes(shapes);
-  stage_difference_ = measure_pairs(LaunchSearch::fresh_pairs, [&](double ms, double reference_ms) {
-    stage_ratios_.push_back(ms / reference_ms);
-  });
+  CellTimes times;
+  stage_difference_ = measure_pairs(
+      LaunchSearch::fresh_pairs,
+      [&](double ms, double reference_ms) { stage_ratios_.push_back(ms / reference_ms); }, times);
 }
 
 double LaunchTuner::time_steps(World& world) {
@@ -176,19 +194,12 @@ double LaunchTuner::reference_ms() const { return median_of(reference_ms_); }
 std::vector<LaunchTuner::Stage> LaunchTuner::stages() const {
   std::vector<Stage> result;
   for (const StageSamples& samples : stages_) {
-    Stage stage{samples.name, samples.obeys, 0, {}, {}, {}};
+    Stage stage{samples.name, samples.obeys, samples.launch.front(), 0, {}, {}};
     stage.cell_ms.assign(search_.cells().size(), std::numeric_limits<double>::quiet_NaN());
     stage.occupancy.assign(search_.cells().size(), 0);
     for (std::size_t column = 0; column < samples.ms.size(); ++column) {
-      const StageLaunch& launch = samples.launch[column];
-      if (column > 0) {
-        stage.cell_ms[column - 1] = median_of(samples.ms[column]);
-        stage.occupancy[column - 1] = launch.occupancy;
-        continue;
-      }
-      stage.reference_ms = median_of(samples.ms[column]);
-      if (launch.multiprocessors > 0)
-        stage.reference_shape = {static_cast<int>(launch.blocks), launch.threads};
+      (column == 0 ? stage.reference_ms : stage.cell_ms[column - 1]) = median_of(samples.ms[column]);
+      if (column > 0) stage.occupancy[column - 1] = samples.launch[column].occupancy;
     }
     result.push_back(std::move(stage));
   }

@@ -44,14 +44,25 @@ class LaunchTuner {
 
   struct Stage {
     std::string name;
-    bool obeys = false;           ///< (B, T); the others are launched by libraries
-    double reference_ms = 0;      ///< median
-    LaunchShape reference_shape;  ///< that the reference used; 0: not known
+    bool obeys = false;       ///< (B, T); the others are launched by libraries
+    StageLaunch launch{};     ///< of the reference
+    double reference_ms = 0;  ///< median
     // By cell of search().cells():
     std::vector<double> cell_ms;    ///< median; NaN: not measured
     std::vector<double> occupancy;  ///< 0 to 1; 0: not known
   };
   std::vector<Stage> stages() const;
+
+  /// How long the measurements of a cell took, of all its tasks, ms.
+  struct CellTimes {
+    double search = 0;                                  ///< the decision to measure it
+    double setup = 0;                                   ///< change of shape, and the first steps
+    double benchmark = 0;                               ///< timed steps of cell and reference
+    double check = 0;                                   ///< state hashes
+    std::chrono::system_clock::time_point measured_at;  ///< end of the last task
+  };
+  /// By cell; may be shorter than search().cells().
+  const std::vector<CellTimes>& cell_times() const { return cell_times_; }
 
   /// The best shape of each stage that obeys (B, T), if its time is below that of the reference.
   StageShapes stage_shapes() const;
@@ -65,10 +76,10 @@ class LaunchTuner {
 
  private:
   using Clock = std::chrono::steady_clock;
-  void measure(const LaunchSearch::Task& task);
+  void measure(const LaunchSearch::Task& task, double search_ms);
   void measure_stage_shapes();
   /// Calls `note` with the times of each pair, ms per step. Returns "", or how the states differ.
-  std::string measure_pairs(int pairs, const std::function<void(double, double)>& note);
+  std::string measure_pairs(int pairs, const std::function<void(double, double)>& note, CellTimes& times);
   double time_steps(World& world);
   void note_stages(const World& world, std::size_t column);
 
@@ -84,6 +95,7 @@ class LaunchTuner {
   std::string stage_difference_;
   Clock::time_point ends_;  ///< of the budget
   std::vector<double> reference_ms_;
+  std::vector<CellTimes> cell_times_;
   struct StageSamples {
     std::string name;
     bool obeys;

@@ -1,22 +1,11 @@
 #include "viewer/session/live_launch_map.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <exception>
 #include <utility>
 
+#include "sim_cuda/tuning/tuning_text.h"
+
 namespace collidoscope {
-namespace {
-
-std::string name_of(LaunchShape shape) {
-  const auto part = [](int value) { return value == 0 ? "auto" : std::to_string(value); };
-  if (shape == LaunchShape{}) return "auto";
-  return "B = " + part(shape.blocks) + ", T = " + part(shape.threads);
-}
-
-}  // namespace
-
 void LiveLaunchMap::follow(int generation, LaunchMapRequests& requests) {
   const bool restart = std::exchange(requests.restart, false);
   if (generation == generation_ && !restart) return;
@@ -56,23 +45,22 @@ const LaunchMapView& LiveLaunchMap::view(const World& world) {
   view_.reference_ms = tuner_->reference_ms();
   view_.spent = tuner_->spent();
   view_.stages.clear();
-  for (LaunchTuner::Stage& stage : tuner_->stages())
-    if (stage.obeys)
-      view_.stages.push_back({std::move(stage.name), stage.reference_ms, stage.reference_shape,
-                              std::move(stage.cell_ms), std::move(stage.occupancy)});
+  for (LaunchTuner::Stage& stage : tuner_->stages()) {
+    if (!stage.obeys) continue;
+    LaunchShape shape;
+    if (stage.launch.multiprocessors > 0)
+      shape = {static_cast<int>(stage.launch.blocks), stage.launch.threads};
+    view_.stages.push_back({std::move(stage.name), stage.reference_ms, shape, std::move(stage.cell_ms),
+                            std::move(stage.occupancy)});
+  }
   if (!view_.done || !view_.chosen) return view_;
-  const RatioEstimate confirmed = search.confirmation();
-  const std::string reference = name_of(view_.reference);
-  view_.is_faster = confirmed.high < 1;
-  view_.verdict = fmt::format("{}: {}{}", name_of(view_.cells[*view_.chosen].shape),
-                              verdict(confirmed, reference), view_.is_faster ? "" : ". Keep " + reference);
-  std::vector<std::string> parts;
-  for (const auto& [stage, shape] : tuner_->stage_shapes())
-    parts.push_back(fmt::format("{}={}x{}", stage, shape.blocks, shape.threads));
-  view_.stage_shapes = fmt::format("{}", fmt::join(parts, ","));
-  view_.stage_verdict = parts.empty() ? ""
+  view_.is_faster = search.confirmation().high < 1;
+  view_.verdict = verdict_line(search, view_.reference);
+  const StageShapes best = tuner_->stage_shapes();
+  view_.stage_shapes = stage_shapes_text(best);
+  view_.stage_verdict = best.empty() ? ""
                         : tuner_->stage_difference().empty()
-                            ? verdict(tuner_->stage_confirmation(), reference)
+                            ? verdict(tuner_->stage_confirmation(), shape_text(view_.reference))
                             : "another result: " + tuner_->stage_difference();
   return view_;
 }

@@ -1,0 +1,34 @@
+#pragma once
+// What the outputs of `tune` need beside the search itself: the run, its reference and the times of the
+// measurements. Plain data, so that tests can invent it.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim_cuda/tuning/launch_tuner.h"
+#include "sim_cuda/tuning/tuning_text.h"
+
+namespace collidoscope {
+
+struct TunedRun {
+  std::string scene, device, executor;  ///< executor: cuda or cpu
+  std::string broad_phase;
+  std::int64_t bodies = 0, state = 0;
+  int physics_version = 0;
+  LaunchShape reference;    ///< 0: automatic
+  double reference_ms = 0;  ///< of a step, median
+  /// Where the reference stands in the map: its own shape, or on a GPU the shape that *auto* chose for the
+  /// slowest stage, with the name of this stage. Empty for *auto* on a CPU, which has no (B, T).
+  std::optional<StageShape> reference_place;
+  std::vector<LaunchTuner::CellTimes> cell_times;  ///< by cell; may be shorter
+};
+TunedRun tuned_run(World& world, const LaunchTuner& tuner);
+
+/// "measured", "infeasible" ...
+const char* name_of(LaunchCell::State state);
+/// Median time of a step, ms. The cell must be measured.
+double median_ms(const LaunchCell& cell);
+
+}  // namespace collidoscope
