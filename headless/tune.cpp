@@ -150,11 +150,9 @@ int tune_command(const CommandLine& line) {
   };
   std::optional<OutputFile> json = file("--json", options.json == "-" ? "" : options.json),
                             cache = file("--kernel-tuner", options.tune.kernel_tuner),
-                            results = file("--t4", options.tune.t4);
-  if (!options.tune.picture.empty()) {
-    OutputFile("--picture", options.tune.picture);
-    ChartPicture(8, 8);  // throws if the machine cannot draw
-  }
+                            results = file("--t4", options.tune.t4),
+                            picture = file("--picture", options.tune.picture);
+  if (picture) ChartPicture(8, 8);  // throws if the machine cannot draw
   const Start start = load_start(line);
   World world = start.world(options.run);
   world.step(static_cast<int>(options.steps_or(60)));
@@ -173,10 +171,10 @@ int tune_command(const CommandLine& line) {
     target->write(text_of_file());
     target->commit();
   };
-  write(json, [&] { return report; });
+  write(json, [&]() -> const std::string& { return report; });
   write(cache, [&] { return kernel_tuner_cache(run, tuner.search()); });
   write(results, [&] { return t4_results(run, tuner.search()); });
-  if (!options.tune.picture.empty())
+  if (picture)  // write_png() replaces the file at once
     write_png(ChartPicture().draw(launch_map(run, tuner.search())), options.tune.picture);
   print(options.json == "-" ? report : text_of(run, tuner));
   int wrong = 0;

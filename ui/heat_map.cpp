@@ -104,7 +104,7 @@ class HeatDrawing {
     const auto has = [&](const auto& test) { return std::ranges::any_of(map_.cells, test); };
     for (const auto& [frame, name] : {std::pair{HeatCell::Frame::thick, &map_.thick_name},
                                       std::pair{HeatCell::Frame::thin, &map_.thin_name}})
-      if (!name->empty() && has([&](const HeatCell& cell) { return cell.frame == frame; }))
+      if (!name->empty() && has([wanted = frame](const HeatCell& cell) { return cell.frame == wanted; }))
         entries.push_back({{0, 0, HeatCell::Kind::value, map_.low, frame}, name});
     if (map_.mark && !map_.mark_name.empty()) entries.push_back({{}, &map_.mark_name, true});
     if (!map_.small_name.empty() && has([&](const HeatCell& cell) { return is_small(cell); }))
@@ -113,7 +113,7 @@ class HeatDrawing {
                                      std::pair{HeatCell::Kind::crossed, &map_.crossed_name},
                                      std::pair{HeatCell::Kind::dashed, &map_.dashed_name},
                                      std::pair{HeatCell::Kind::empty, &map_.empty_name}})
-      if (!name->empty() && has([&](const HeatCell& cell) { return cell.kind == kind; }))
+      if (!name->empty() && has([wanted = kind](const HeatCell& cell) { return cell.kind == wanted; }))
         entries.push_back({{0, 0, kind}, name});
     return entries;
   }
