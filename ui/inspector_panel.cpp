@@ -117,11 +117,23 @@ void draw_path(const WorkspaceView& view, const BodyReport& body) {
   explain("Boxes that contain this body, from its leaf (top) to the root. Bar length: diagonal of the box");
 }
 
+/// Scrolls to the panel that begins at `top` and ends at the cursor. Not away from the tree panel, in which
+/// bodies are selected, too.
+void scroll_into_view(const Workspace& workspace, float top) {
+  const float height = ImGui::GetWindowHeight(), bottom = ImGui::GetCursorPosY() + ImGui::GetFontSize();
+  if (workspace.visible_panels.tree || bottom <= ImGui::GetScrollY() + height) return;
+  ImGui::SetScrollY(std::min(top, bottom - height));
+}
+
 }  // namespace
 
 void draw_inspector_panel(Workspace& workspace, const WorkspaceView& view) {
+  const float top = ImGui::GetCursorPosY();
+  ImGuiStorage* const memory = ImGui::GetStateStorage();
+  const ImGuiID last_shown = ImGui::GetID("last shown body");
   if (!begin_panel(workspace, "inspector", "Body", workspace.visible_panels.inspector)) return end_panel();
   if (view.selected == nullptr) {
+    memory->SetInt(last_shown, 0);
     faint_text("click a body to see its state");
     return end_panel();
   }
@@ -155,6 +167,11 @@ void draw_inspector_panel(Workspace& workspace, const WorkspaceView& view) {
   if (closed) {
     workspace.selection.reset();
     workspace.follow = false;
+  }
+  const int shown = static_cast<int>(view.selected->id) + 1;
+  if (memory->GetInt(last_shown) != shown) {
+    memory->SetInt(last_shown, shown);
+    scroll_into_view(workspace, top);
   }
   end_panel();
 }
