@@ -117,12 +117,12 @@ void draw_path(const WorkspaceView& view, const BodyReport& body) {
   explain("Boxes that contain this body, from its leaf (top) to the root. Bar length: diagonal of the box");
 }
 
-/// Scrolls to the panel that begins at `top` and ends at the cursor. Not away from the tree panel, in which
-/// bodies are selected, too.
+/// Scrolls as far as needed to show the first rows of the panel that begins at `top`. Not away from the tree
+/// panel, in which bodies are selected, too.
 void scroll_into_view(const Workspace& workspace, float top) {
-  const float height = ImGui::GetWindowHeight(), bottom = ImGui::GetCursorPosY() + ImGui::GetFontSize();
-  if (workspace.visible_panels.tree || bottom <= ImGui::GetScrollY() + height) return;
-  ImGui::SetScrollY(std::min(top, bottom - height));
+  const float bottom = top + 3 * ImGui::GetFrameHeightWithSpacing();
+  const float scroll = bottom - ImGui::GetWindowHeight();
+  if (!workspace.visible_panels.tree && scroll > ImGui::GetScrollY()) ImGui::SetScrollY(scroll);
 }
 
 }  // namespace
