@@ -76,9 +76,10 @@ void LaunchTuner::advance(double milliseconds) {
     ends_ =
         before + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(budget_ - spent_));
     if (spent_ > search_share * budget_) search_.hurry();
-    const std::optional<LaunchSearch::Task> task = search_.next();
-    if (task) {
-      measure(*task, 1e3 * seconds_since(before));
+    if (!task_) task_ = search_.next();
+    if (task_) {
+      measure(*task_, 1e3 * seconds_since(before));
+      task_.reset();
     } else {
       measure_stage_shapes();
       done_ = true;
@@ -164,6 +165,7 @@ void LaunchTuner::measure_stage_shapes() {
   candidate_.set_launch_shape(shape_);
   candidate_.set_stage_shapes(shapes);
   CellTimes times;
+  stage_ratios_.clear();
   stage_difference_ = measure_pairs(
       LaunchSearch::fresh_pairs,
       [&](double ms, double reference_ms) { stage_ratios_.push_back(ms / reference_ms); }, times);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -89,6 +90,7 @@ class LaunchTuner {
   double budget_, spent_ = 0;
   World reference_, candidate_;
   LaunchSearch search_;
+  std::optional<LaunchSearch::Task> task_;  ///< in progress; kept if it is cancelled
   std::function<std::uint64_t(World&)> hash_;
   bool done_ = false;
   std::vector<double> stage_ratios_;
