@@ -290,7 +290,8 @@ void App::write_automation(const WorkspaceView& view, double ui_ms) {
   frame.height = picture_.height();
   with_error_bar([&] {
     // The hash of the shown state, not of a later one whose picture is not complete.
-    if (!has_world_ || workspace_.playing || scene_.is_drawing() || !next_) return;
+    if (!has_world_ || workspace_.playing || workspace_.state_request || scene_.is_drawing() || !next_)
+      return;
     const PublishedState::Key& shown = next_->key;
     if (shown.generation == live_.generation() && shown.step == live_.world().steps())
       frame.state_hash = live_.state_hash();
