@@ -14,8 +14,11 @@
 #include "headless/cli/standard_output.h"
 #include "headless/pictures/chart_picture.h"
 #include "headless/tuning/launch_map.h"
+#include "headless/tuning/setting_table.h"
 #include "headless/tuning/tuned_run.h"
 #include "headless/tuning/tuner_files.h"
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/tuning/brute_force.h"
 #include "sim_cuda/tuning/launch_tuner.h"
 
 namespace collidoscope {
@@ -23,17 +26,11 @@ namespace {
 
 using TuneJson = nlohmann::ordered_json;
 
-TuneJson estimate_json(const RatioEstimate& estimate) {
-  TuneJson json{
-      {"ratio", estimate.ratio}, {"low", estimate.low}, {"high", nullptr}, {"pairs", estimate.pairs}};
-  if (std::isfinite(estimate.high)) json["high"] = estimate.high;
-  return json;
-}
-
-double best_ms(const LaunchTuner& tuner, const LaunchTuner::Stage& stage, LaunchShape shape) {
-  const std::vector<LaunchCell>& cells = tuner.search().cells();
-  const auto cell = std::ranges::find(cells, shape, &LaunchCell::shape);
-  return stage.cell_ms[static_cast<std::size_t>(cell - cells.begin())];
+std::string text_of(const BruteForce& all, LaunchShape chosen) {
+  return fmt::format("brute force over {} shapes, {:.0f} s: the best is {}: {}; {}\n", all.shapes,
+                     all.seconds, shape_text(all.best),
+                     verdict(all.estimate, "the chosen " + shape_text(chosen)),
+                     all.agrees() ? "the search has found an optimum" : "THE SEARCH HAS MISSED IT");
 }
 
 TuneJson report_of(const TunedRun& run, const LaunchTuner& tuner) {
@@ -52,7 +49,7 @@ TuneJson report_of(const TunedRun& run, const LaunchTuner& tuner) {
         {"blocks", cell.shape.blocks}, {"threads", cell.shape.threads}, {"state", name_of(cell.state)}};
     if (!cell.reason.empty()) one["reason"] = cell.reason;
     if (!cell.ratios.empty()) {
-      one["ms"] = median_ms(cell);
+      one["ms"] = typical_ms(run, cell);
       one["ratio"] = estimate_json(cell.estimate());
     }
     report["cells"].push_back(std::move(one));
@@ -74,7 +71,8 @@ TuneJson report_of(const TunedRun& run, const LaunchTuner& tuner) {
         {"name", stage.name}, {"reference_ms", stage.reference_ms}, {"chosen_ms", stage.cell_ms[*chosen]}};
     if (const auto shape = std::ranges::find(best, stage.name, &StageShape::stage); shape != best.end()) {
       one["best"] = {shape->shape.blocks, shape->shape.threads};
-      one["best_ms"] = best_ms(tuner, stage, shape->shape);
+      one["best_ms"] = stage.reference_ms * stage.confirmation.ratio;
+      one["confirmation"] = estimate_json(stage.confirmation);
     }
     report["stages"].push_back(std::move(one));
   }
@@ -83,8 +81,44 @@ TuneJson report_of(const TunedRun& run, const LaunchTuner& tuner) {
   return report;
 }
 
+/// `tune --over`.
+int compare_command(const CommandLine& line) {
+  const Options& options = line.options;
+  if (options.tune.brute_force) throw InputError("--brute-force: not with --over, which measures no map");
+  const std::pair<const char*, const std::string*> files[] = {{"--picture", &options.tune.picture},
+                                                              {"--kernel-tuner", &options.tune.kernel_tuner},
+                                                              {"--t4", &options.tune.t4}};
+  for (const auto& [flag, name] : files)
+    if (!name->empty()) throw InputError(fmt::format("{}: not with --over, which measures no map", flag));
+  std::optional<OutputFile> json;
+  if (!options.json.empty() && options.json != "-") json.emplace("--json", options.json);
+  const Start start = load_start(line);
+  World world = start.world(options.run);
+  world.step(static_cast<int>(options.steps_or(60)));
+  const std::vector<SettingChoice> choices = setting_choices(world, options.tune.over);
+  SettingComparison result;
+  {
+    Progress progress("measurements", 1000);
+    result = compare_settings(world, choices, options.tune.budget,
+                              [&](double share) { progress.update(std::llround(1000 * share)); });
+  }
+  const std::string report = settings_json(world, result).dump(2) + '\n';
+  if (json) {
+    json->write(report);
+    json->commit();
+  }
+  print(options.json == "-" ? report : settings_text(world, result));
+  int wrong = 0;
+  for (const ComparedSetting& row : result.rows) {
+    if (row.difference.empty()) continue;
+    ++wrong;
+    fmt::print(stderr, "{} {}: {}\n", row.axis, row.value, row.difference);
+  }
+  return wrong > 0 ? 1 : 0;
+}
+
 /// The map: a row per B, a column per T.
-std::string map_text(const LaunchTuner& tuner) {
+std::string map_text(const TunedRun& run, const LaunchTuner& tuner) {
   const LaunchSearch& search = tuner.search();
   std::set<int> blocks, threads;
   for (const LaunchCell& cell : search.cells())
@@ -106,7 +140,7 @@ std::string map_text(const LaunchTuner& tuner) {
       else if (cell->state == LaunchCell::State::wrong)
         entry = "WRONG";
       else
-        entry = fmt::format("{:.3f}", median_ms(*cell));
+        entry = fmt::format("{:.3f}", typical_ms(run, *cell));
       const bool is_chosen = search.chosen() && &search.cells()[*search.chosen()] == &*cell;
       text += fmt::format("{:>8}{}", entry, is_chosen ? '*' : ' ');
     }
@@ -120,7 +154,7 @@ std::string text_of(const TunedRun& run, const LaunchTuner& tuner) {
   const std::string reference = shape_text(run.reference);
   std::string text =
       fmt::format("{}, {} bodies, state {}, on {}: {} takes {:.3f} ms per step\n\n{}\n", run.scene,
-                  run.bodies, run.state, run.device, reference, run.reference_ms, map_text(tuner));
+                  run.bodies, run.state, run.device, reference, run.reference_ms, map_text(run, tuner));
   const std::optional<std::size_t> chosen = search.chosen();
   if (!chosen) return text + verdict_line(search, run.reference) + '\n';
   text += fmt::format("{}; the centre of {} shapes that cannot be told apart; {:.1f} s\n\n",
@@ -132,9 +166,12 @@ std::string text_of(const TunedRun& run, const LaunchTuner& tuner) {
     if (!stage.obeys) continue;
     text += fmt::format("{:<20}{:>10.4f}{:>10.4f}", stage.name, stage.reference_ms, stage.cell_ms[*chosen]);
     if (const auto shape = std::ranges::find(best, stage.name, &StageShape::stage); shape != best.end())
-      text += fmt::format("{:>10.4f}  {}", best_ms(tuner, stage, shape->shape), shape_text(shape->shape));
+      text += fmt::format("{:>10.4f}  {}", stage.reference_ms * stage.confirmation.ratio,
+                          shape_text(shape->shape));
     text += '\n';
   }
+  if (!tuner.compared_stages())
+    return text + "the budget was too short to compare the shapes of single stages\n";
   if (best.empty()) return text + "no stage is faster with another shape\n";
   return text + fmt::format("the best shape of each stage: {}\n--stage-shapes {}\n",
                             verdict(tuner.stage_confirmation(), reference), stage_shapes_text(best));
@@ -144,6 +181,7 @@ std::string text_of(const TunedRun& run, const LaunchTuner& tuner) {
 
 int tune_command(const CommandLine& line) {
   const Options& options = line.options;
+  if (!options.tune.over.empty()) return compare_command(line);
   // All files are tried before anything is measured.
   const auto file = [](const char* flag, const std::string& name) {
     return name.empty() ? std::nullopt : std::optional<OutputFile>(std::in_place, flag, name);
@@ -165,7 +203,19 @@ int tune_command(const CommandLine& line) {
     }
   }
   const TunedRun run = tuned_run(world, tuner);
-  const std::string report = report_of(run, tuner).dump(2) + '\n';
+  std::optional<BruteForce> all;
+  if (options.tune.brute_force && tuner.search().chosen()) {
+    Progress progress("all shapes", 1000);
+    all = brute_force(world, tuner.search(),
+                      [&](double share) { progress.update(std::llround(1000 * share)); });
+  }
+  TuneJson json_report = report_of(run, tuner);
+  if (all)
+    json_report["brute_force"] = {
+        {"shapes", all->shapes},        {"blocks", all->best.blocks},
+        {"threads", all->best.threads}, {"over_chosen", estimate_json(all->estimate)},
+        {"agrees", all->agrees()},      {"seconds", all->seconds}};
+  const std::string report = json_report.dump(2) + '\n';
   const auto write = [](std::optional<OutputFile>& target, const auto& text_of_file) {
     if (!target) return;
     target->write(text_of_file());
@@ -176,7 +226,9 @@ int tune_command(const CommandLine& line) {
   write(results, [&] { return t4_results(run, tuner.search()); });
   if (picture)  // write_png() replaces the file at once
     write_png(ChartPicture().draw(launch_map(run, tuner.search())), options.tune.picture);
-  print(options.json == "-" ? report : text_of(run, tuner));
+  std::string text = text_of(run, tuner);
+  if (all) text += text_of(*all, tuner.search().cells()[*tuner.search().chosen()].shape);
+  print(options.json == "-" ? report : text);
   int wrong = 0;
   for (const LaunchCell& cell : tuner.search().cells()) {
     if (cell.state != LaunchCell::State::wrong) continue;
@@ -185,7 +237,7 @@ int tune_command(const CommandLine& line) {
   }
   if (!tuner.stage_difference().empty())
     fmt::print(stderr, "the best shape of each stage: {}\n", tuner.stage_difference());
-  return wrong > 0 || !tuner.stage_difference().empty() ? 1 : 0;
+  return wrong > 0 || !tuner.stage_difference().empty() || (all && !all->agrees()) ? 1 : 0;
 }
 
 }  // namespace collidoscope

@@ -65,6 +65,8 @@ double World::time() const { return run_->time(); }
 RunState World::state() { return run_->state(); }
 void World::restore(World& other) { restore(other.state()); }
 void World::restore(const RunState& other, const BodyIdMap& ids) { run_->restore(other, ids); }
+void World::mark() { run_->mark(); }
+bool World::rewind() { return run_->rewind(); }
 std::uint64_t World::state_hash() { return run_->pipeline().state_hash(); }
 BodyStates World::bodies() { return run_->pipeline().bodies(); }
 

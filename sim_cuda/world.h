@@ -86,6 +86,11 @@ class World {
   /// would.
   void restore(World& other);
   void restore(const RunState& other, const BodyIdMap& ids = {});
+  /// Marks the current state. rewind() returns to it, without copies through the host. It returns false and
+  /// changes nothing if no state is marked; restore(), a cancelled step and guards that freeze bodies remove
+  /// the mark.
+  void mark();
+  bool rewind();
   /// 64-bit hash of the state. Equal exactly if all bodies are bitwise equal (-0 = 0; all NaN are equal),
   /// apart from hash collisions.
   std::uint64_t state_hash();

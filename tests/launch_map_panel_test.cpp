@@ -107,6 +107,9 @@ TEST(PanelPicture, ACellOfTheLaunchMapIsAShape) {
   EXPECT_EQ(click({192, 128}), (LaunchShape{192, 128})) << "a refined cell";
   EXPECT_EQ(click({8, 32}), (LaunchShape{8, 32})) << "left out";
   EXPECT_EQ(click({1056, 1024}), LaunchShape{}) << "cannot be launched";
+  const auto wrong = std::ranges::find(panel.map.cells, LaunchCell::State::wrong, &LaunchCell::state);
+  ASSERT_NE(wrong, panel.map.cells.end());
+  EXPECT_EQ(click(wrong->shape), LaunchShape{}) << "another result";
   EXPECT_EQ(panel.workspace.launch_map.places.size(), panel.map.cells.size());
 }
 

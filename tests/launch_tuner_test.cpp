@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
@@ -161,6 +162,44 @@ TEST_P(LaunchTuners, ReportAnotherHash) {
   EXPECT_GT(wrong, 0);
   ASSERT_TRUE(tuner.search().chosen());
   EXPECT_NE(tuner.search().cells()[*tuner.search().chosen()].shape.threads, 64);
+}
+
+/// A measurement that is cancelled is made again, so the map is as complete as without cancellation.
+TEST_P(LaunchTuners, GoOnAfterCancellation) {
+  Cancellation cancellation;
+  RunOptions cancellable = options();
+  cancellable.cancellation = &cancellation;
+  Scene scene = box_collider(20);
+  scene.physics.solver = Solver::soft_step;
+  World world(scene, cancellable);
+  world.step(5);
+  LaunchTuner tuner(world, 600);
+  // Each cancellation comes a tenth later than the one before, so that every measurement ends at last.
+  double polls = 0, next = 20;
+  int cancelled = 0;
+  cancellation.set_poll(
+      [&] {
+        if (++polls < next) return;
+        polls = 0;
+        next *= 1.1;
+        cancellation.request_between_steps();
+      },
+      std::chrono::milliseconds(0));
+  while (!tuner.done()) try {
+      tuner.advance(50);
+    } catch (const Cancelled&) {
+      ++cancelled;
+      cancellation.clear();
+    }
+  EXPECT_GT(cancelled, 10);
+  EXPECT_EQ(tuner.search().confirmation().pairs, LaunchSearch::fresh_pairs);
+  for (const LaunchCell& cell : tuner.search().cells()) {
+    EXPECT_NE(cell.state, LaunchCell::State::waiting);
+    EXPECT_NE(cell.state, LaunchCell::State::wrong) << cell.reason;
+    if (cell.state == LaunchCell::State::measured) {
+      EXPECT_GE(cell.ratios.size(), LaunchSearch::first_pairs);
+    }
+  }
 }
 
 TEST_P(LaunchTuners, MeasureTheBestShapeOfEachStage) {

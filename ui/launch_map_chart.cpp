@@ -14,6 +14,10 @@
 namespace collidoscope {
 namespace {
 
+bool can_be_applied(LaunchCell::State state) {
+  return state != LaunchCell::State::infeasible && state != LaunchCell::State::wrong;
+}
+
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double slowest_shown = 4;  ///< end of the colour scale, in times of the fastest cell
 
@@ -118,8 +122,7 @@ void cell_tooltip(const LaunchMapView& map, const LaunchMapTimes& shown, std::si
       break;
     }
   }
-  if (cell.state == LaunchCell::State::measured || cell.state == LaunchCell::State::left_out)
-    ImGui::TextDisabled("click to apply");
+  if (can_be_applied(cell.state)) ImGui::TextDisabled("click to apply");
   ImGui::EndTooltip();
 }
 
@@ -167,7 +170,7 @@ class MapDrawing {
     if (!under_pointer) return;
     cell_tooltip(map_, shown_, *under_pointer, view_.with_times);
     const LaunchCell& cell = map_.cells[*under_pointer];
-    if (clicked_ && cell.state != LaunchCell::State::infeasible) workspace_.settings.run.shape = cell.shape;
+    if (clicked_ && can_be_applied(cell.state)) workspace_.settings.run.shape = cell.shape;
   }
 
  private:
@@ -300,8 +303,8 @@ LaunchMapTimes launch_map_times(const LaunchMapView& map, const std::string& sta
     if (cell.state == LaunchCell::State::measured && shown.stage != nullptr &&
         k < shown.stage->cell_ms.size())
       ms = shown.stage->cell_ms[k];
-    else if (cell.state == LaunchCell::State::measured && shown.stage == nullptr && !cell.ms.empty())
-      ms = estimate_ratio(cell.ms).ratio;
+    else if (cell.state == LaunchCell::State::measured && shown.stage == nullptr && !cell.ratios.empty())
+      ms = map.reference_ms * cell.estimate().ratio;
     shown.ms.push_back(ms);
     if (!std::isfinite(ms)) continue;
     shown.fastest = std::isfinite(shown.fastest) ? std::min(shown.fastest, ms) : ms;

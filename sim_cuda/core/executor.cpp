@@ -112,6 +112,27 @@ void Executor::copy_to_host(void* host_destination, const void* source, std::siz
   std::memcpy(host_destination, source, bytes);
 }
 
+void Executor::copy(void* destination, const void* source, std::size_t bytes) {
+  if (bytes == 0 || is_dry_run()) return;
+#if SIM_CUDA
+  if (on_device())
+    return check(cudaMemcpyAsync(destination, source, bytes, cudaMemcpyDeviceToDevice, stream_),
+                 "copy " + std::to_string(bytes) + " bytes");
+#endif
+  struct Copy {
+    std::byte* to;
+    const std::byte* from;
+  } context{static_cast<std::byte*>(destination), static_cast<const std::byte*>(source)};
+  constexpr std::int64_t piece = 1 << 18;
+  team_.parallel_for(
+      static_cast<std::int64_t>(bytes), piece,
+      [](void* c, std::int64_t begin, std::int64_t end) {
+        const Copy& k = *static_cast<const Copy*>(c);
+        std::memcpy(k.to + begin, k.from + begin, static_cast<std::size_t>(end - begin));
+      },
+      &context);
+}
+
 void Executor::fill(void* destination, int byte, std::size_t bytes) {
   if (bytes == 0 || is_dry_run()) return;
 #if SIM_CUDA

@@ -75,9 +75,12 @@ class Executor {
   bool is_dry_run() const { return memory_.is_dry_run(); }
   void count_dry_run_bytes(std::int64_t bytes) { memory_.count_dry_run_bytes(bytes); }
 
-  // Copies and fills, in stream order with the stages. A copy is complete on return. A fill is only enqueued.
+  // Copies and fills, in stream order with the stages. A copy to or from the host is complete on return. A
+  // fill is only enqueued.
   void copy_to_executor(void* destination, const void* host_source, std::size_t bytes);
   void copy_to_host(void* host_destination, const void* source, std::size_t bytes);
+  /// Both in this executor's memory, or both on the host. Only enqueued on a GPU.
+  void copy(void* destination, const void* source, std::size_t bytes);
   void fill(void* destination, int byte, std::size_t bytes);
   void synchronize();
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "sim_cuda/core/parallel_for.h"
+#include "sim_cuda/core/executor.h"
 
 namespace collidoscope {
 
@@ -18,9 +18,9 @@ class HostBackup {
  public:
   /// Copies all arrays that `visit_all` passes to its visitor. The arrays must not move until restore().
   /// Throws std::bad_alloc.
-  void save(ThreadTeam& team, const std::function<void(const ArrayVisitor&)>& visit_all);
+  void save(Executor& executor, const std::function<void(const ArrayVisitor&)>& visit_all);
   bool has_copy() const { return !arrays_.empty(); }
-  void restore(ThreadTeam& team);
+  void restore(Executor& executor);
   void clear() { arrays_.clear(); }
 
  private:

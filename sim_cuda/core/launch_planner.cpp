@@ -62,20 +62,23 @@ LaunchShape LaunchPlanner::choose_shape(const void* kernel, const char* name, st
 }
 
 LaunchShape LaunchPlanner::choose_cooperative_shape(const void* kernel, const char* name, std::int64_t items,
-                                                    int blocks_per_multiprocessor) {
+                                                    int blocks_per_multiprocessor, int most_threads) {
   // At least one block per multiprocessor, to use the full memory bandwidth. At most two, because the cost of
   // a grid barrier grows with the number of blocks.
   const std::int64_t blocks = std::int64_t{device_.multiprocessors} * blocks_per_multiprocessor,
                      shared = (items + blocks - 1) / blocks;
-  const int usual = static_cast<int>(
-      std::clamp<std::int64_t>((shared + 31) / 32 * 32, 64, device_.max_threads / blocks_per_multiprocessor));
+  const int usual = static_cast<int>(std::clamp<std::int64_t>(
+      (shared + 31) / 32 * 32, 64, std::min(most_threads, device_.max_threads / blocks_per_multiprocessor)));
   const LaunchShape requested = this->requested();
   const int threads = requested.threads > 0 ? requested.threads : usual;
   const KernelFit& fit = kernel_fit(kernel, threads, name, nullptr);
   const std::int64_t resident = std::int64_t{fit.resident_blocks} * device_.multiprocessors;
   LaunchShape shape{requested.blocks, threads};
   if (shape.blocks > resident) return {0, 0};
-  if (shape.blocks == 0) shape.blocks = static_cast<int>(std::min((items + threads - 1) / threads, resident));
+  if (shape.blocks == 0) {
+    const std::int64_t most = requested.threads > 0 ? resident : std::min(resident, blocks);
+    shape.blocks = static_cast<int>(std::min((items + threads - 1) / threads, most));
+  }
   note_shape(items, shape, fit);
   return shape;
 }

@@ -34,10 +34,10 @@ class LaunchPlanner {
   LaunchShape choose_shape(const void* kernel, const char* name, std::int64_t items, bool at_once,
                            SharedBytes shared);
   /// (B, T) for a cooperative launch, in which all blocks must be resident. Automatic B gives about
-  /// `blocks_per_multiprocessor` blocks per multiprocessor. Returns B = 0 if the requested (B, T) exceeds the
-  /// resident blocks.
+  /// `blocks_per_multiprocessor` blocks per multiprocessor, automatic T at most `most_threads`. Returns B = 0
+  /// if the requested (B, T) exceeds the resident blocks.
   LaunchShape choose_cooperative_shape(const void* kernel, const char* name, std::int64_t items,
-                                       int blocks_per_multiprocessor);
+                                       int blocks_per_multiprocessor, int most_threads);
 
   /// Number of resident threads if each needs 64 registers.
   std::int64_t threads_at_once() const { return std::int64_t{1024} * device_.multiprocessors; }

@@ -47,6 +47,15 @@ concept StaticRounds = ItemRounds<Rounds> && requires {
   requires Rounds::static_item_counts;
 };
 
+/// Rounds in which few items act: their time is that of the barriers, which grows with the threads of a
+/// block.
+///
+///   static constexpr int most_threads;  // per block, with automatic T
+template <class Rounds>
+concept RoundsOfFewItems = ItemRounds<Rounds> && requires {
+  Rounds::most_threads;
+};
+
 /// The first rounds split an item into fetch and process, so that its operands can be loaded early:
 ///
 ///   static constexpr int prefetched_rounds;  // number of these rounds
@@ -198,8 +207,10 @@ void launch_rounds(LaunchPlanner& planner, cudaStream_t stream, const char* name
                    std::int64_t max_items, const Rounds& stage) {
   const auto launch_cooperative = [&](void (*kernel)(int, Rounds), int blocks_per_multiprocessor) {
     const auto all = reinterpret_cast<const void*>(kernel);
+    int most_threads = 1024;
+    if constexpr (RoundsOfFewItems<Rounds>) most_threads = Rounds::most_threads;
     const LaunchShape shape =
-        planner.choose_cooperative_shape(all, name, max_items, blocks_per_multiprocessor);
+        planner.choose_cooperative_shape(all, name, max_items, blocks_per_multiprocessor, most_threads);
     if (shape.blocks == 0) return false;
     const void* arguments[] = {&rounds, &stage};
     check(cudaLaunchCooperativeKernel(all, dim3(static_cast<unsigned>(shape.blocks)),

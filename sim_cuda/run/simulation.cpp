@@ -48,6 +48,7 @@ Simulation::Simulation(const Scene& s, const RunOptions& asked, const RunState* 
       substeps_missed(collidoscope::substeps_missed(scene, initial)),
       validation(*this, effects.guards),
       undo_(executor),
+      mark_(executor),
       bvh_cache_(executor, static_cast<std::int64_t>(initial.size())),
       runner_(executor,
               (require_memory_for_step(executor, {options.broad_phase, scene, initial, effects, substeps,
@@ -80,6 +81,7 @@ Pipeline& Simulation::pipeline() {
 void Simulation::replace_pipeline() {
   auto next = make();
   next->reserve(pipeline().capacity());
+  mark_.clear();
   runner_.replace(std::move(next));
 }
 
@@ -199,7 +201,28 @@ void Simulation::restore(const RunState& other, const BodyIdMap& ids) {
   validation.restored();
 }
 
+void Simulation::mark() {
+  recover();
+  mark_.set(pipeline());
+  marked_ = {steps_, known_time_};
+}
+
+bool Simulation::rewind() {
+  recover();
+  const Executor::Uninterrupted whole(executor);
+  if (!mark_.rewind(pipeline())) return false;
+  runner_.discard_runs();
+  steps_ = marked_.steps;
+  known_time_ = marked_.known_time;
+  detected_ = stepped_ = false;
+  records.state_replaced();
+  bvh_cache_.invalidate();
+  validation.restored();
+  return true;
+}
+
 void Simulation::write_state(const RunState& state) {
+  mark_.clear();  // the arrays may become shorter than the marked ones
   runner_.pipeline().set_bodies(state.bodies, state.static_impulses);
   runner_.pipeline().load_warm_start(state.warm_start);
   steps_ = state.steps;

@@ -13,6 +13,7 @@
 #include "sim_cuda/run/pipeline.h"
 #include "sim_cuda/run/publisher.h"
 #include "sim_cuda/run/run_state.h"
+#include "sim_cuda/run/state_mark.h"
 #include "sim_cuda/run/state_validation.h"
 #include "sim_cuda/run/step_runner.h"
 #include "sim_cuda/run/step_undo.h"
@@ -34,6 +35,8 @@ class Simulation {
   void step(int count);
   RunState state();
   void restore(const RunState& other, const BodyIdMap& ids = {});
+  void mark();
+  bool rewind();
   void detect();
   void set_launch_shapes(LaunchShape shape, const StageShapes& by_stage);
   std::int64_t steps() const { return steps_; }
@@ -83,6 +86,11 @@ class Simulation {
     std::int64_t step = 0;
     double time = 0;  // s
   } known_time_;      // of a state after which all steps have the same length
+  StateMark mark_;
+  struct Marked {
+    std::int64_t steps = 0;
+    KnownTime known_time;
+  } marked_;
   BvhCache bvh_cache_;
   bool detected_ = false;  // pairs and contacts are those of the current state
   bool stepped_ = false;

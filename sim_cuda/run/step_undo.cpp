@@ -27,8 +27,7 @@ void StepUndo::before_writing(Pipeline& pipeline, const StepControl& control, do
   executor_.throw_if_cancelled();
   const Executor::Uninterrupted whole(executor_);
   try {
-    backup_.save(executor_.team(),
-                 [&](const ArrayVisitor& visit) { pipeline.visit_persistent_arrays(visit); });
+    backup_.save(executor_, [&](const ArrayVisitor& visit) { pipeline.visit_persistent_arrays(visit); });
   } catch (const std::bad_alloc&) {  // no memory for a copy
     backup_.clear();
     to_the_end_.emplace(executor_);
@@ -46,7 +45,7 @@ void StepUndo::cancel_step() {
 }
 
 void StepUndo::undo() {
-  backup_.restore(executor_.team());
+  backup_.restore(executor_);
   backup_.clear();
 }
 

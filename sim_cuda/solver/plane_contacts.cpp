@@ -66,6 +66,7 @@ template <class Real>
 void PlaneContacts<Real>::visit(const ArrayVisitor& visit) const {
   visit(impulse_.data(), impulse_.bytes());
   visit(friction_.data(), friction_.bytes());
+  visit(active_mask_.data(), active_mask_.bytes());
 }
 
 template class PlaneContacts<float>;

@@ -83,7 +83,10 @@ class Sleeping {
   std::vector<std::uint32_t> save_warm_start() const { return sleep_timer_.download(); }
   /// Bodies that are not in `sleep_timer` start with 0.
   void load_warm_start(std::vector<std::uint32_t> sleep_timer);
-  void visit_warm_start(const ArrayVisitor& visit) const { visit(sleep_timer_.data(), sleep_timer_.bytes()); }
+  void visit_warm_start(const ArrayVisitor& visit) const {
+    visit(sleep_timer_.data(), sleep_timer_.bytes());
+    visit(parent_.data(), parent_.bytes());
+  }
 
  private:
   Executor& executor_;

@@ -27,7 +27,7 @@ template <class Real>
 void SoftStepSolver<Real>::visit_warm_start(const ArrayVisitor& visit) {
   cache_.visit(visit);
   planes_.visit(visit);
-  rolling_.visit_warm_start(*cache_.count(), visit);
+  rolling_.visit_warm_start(cache_.size(), visit);
   sleeping_.visit_warm_start(visit);
   if (scene_.joints) scene_.joints->visit_warm_start(visit);
 }

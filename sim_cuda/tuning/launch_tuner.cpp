@@ -1,7 +1,5 @@
 #include "sim_cuda/tuning/launch_tuner.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -12,9 +10,6 @@
 
 namespace collidoscope {
 namespace {
-
-/// Steps of a measurement: one timed as a whole, and one timed by stage.
-constexpr int steps_of_pair = 2;
 
 /// Share of the budget for the search; the rest is for the confirmations.
 constexpr double search_share = 0.6;
@@ -33,9 +28,9 @@ std::vector<int> powers_of_two(int first, std::int64_t last) {
   return powers;
 }
 
-RunOptions with_shape(RunOptions options, LaunchShape shape) {
-  options.shape = shape;
-  return options;
+/// To compare its stages: the median of two samples is too rough.
+bool has_enough_pairs(const LaunchCell& cell) {
+  return cell.state == LaunchCell::State::measured && std::ssize(cell.ratios) > LaunchSearch::first_pairs;
 }
 
 }  // namespace
@@ -53,21 +48,14 @@ LaunchAxes launch_axes(int multiprocessors, std::int64_t bodies) {
 }
 
 LaunchTuner::LaunchTuner(World& world, double budget)
-    : scene_(world.scene()),
-      state_(world.state()),
-      shape_(world.launch_shape()),
-      budget_(budget),
-      reference_(scene_, with_shape(world.options(), shape_), &state_),
-      candidate_(scene_, with_shape(world.options(), shape_), &state_),
-      search_([&] {
-        reference_.step();  // records the launches
+    : shape_(world.launch_shape()), budget_(budget), pair_(world), search_([&] {
+        pair_.reference().step();  // records the launches
         int multiprocessors = 0;
-        for (const StageTime& stage : reference_.latest_times().stages)
+        for (const StageTime& stage : pair_.reference().latest_times().stages)
           multiprocessors = std::max(multiprocessors, stage.launch.multiprocessors);
         const LaunchAxes axes = launch_axes(multiprocessors, std::ssize(world.initial().radius));
         return LaunchSearch(axes.blocks, axes.threads, axes.thread_unit, axes.middle);
-      }()),
-      hash_([](World& w) { return w.state_hash(); }) {}
+      }()) {}
 
 void LaunchTuner::advance(double milliseconds) {
   const Clock::time_point start = Clock::now();
@@ -91,19 +79,16 @@ void LaunchTuner::advance(double milliseconds) {
 
 void LaunchTuner::measure(const LaunchSearch::Task& task, double search_ms) {
   const Clock::time_point start = Clock::now();
-  CellTimes times;
+  PairedSteps::Durations times;
   try {
-    candidate_.set_launch_shape(search_.cells()[task.cell].shape);
-    const std::string difference = measure_pairs(
-        task.pairs,
-        [&](double ms, double reference_ms) {
-          search_.add(task.cell, ms, reference_ms);
-          reference_ms_.push_back(reference_ms);
-          note_stages(reference_, 0);
-          note_stages(candidate_, task.cell + 1);
-        },
-        times);
-    if (!difference.empty()) search_.exclude(task.cell, LaunchCell::State::wrong, difference);
+    pair_.candidate().set_launch_shape(search_.cells()[task.cell].shape);
+    times = pair_.measure(task.pairs, ends_, [&](double ms, double reference_ms) {
+      search_.add(task.cell, ms, reference_ms);
+      reference_ms_.push_back(reference_ms);
+      note_stages(task.cell);
+    });
+    if (const std::string difference = pair_.difference(times); !difference.empty())
+      search_.exclude(task.cell, LaunchCell::State::wrong, difference);
   } catch (const MachineError& error) {
     search_.exclude(task.cell, LaunchCell::State::infeasible, error.what());
   }
@@ -116,29 +101,6 @@ void LaunchTuner::measure(const LaunchSearch::Task& task, double search_ms) {
   sum.measured_at = std::chrono::system_clock::now();
 }
 
-std::string LaunchTuner::measure_pairs(int pairs, const std::function<void(double, double)>& note,
-                                       CellTimes& times) {
-  // The first steps after a change make graphs and fill caches.
-  for (World* world : {&candidate_, &reference_}) {
-    world->restore(state_);
-    world->step(steps_of_pair);
-  }
-  const Clock::time_point first_pair = Clock::now();
-  for (int pair = 0; pair < pairs && (pair == 0 || Clock::now() < ends_); ++pair) {
-    const bool first = pair % 2 == 0;
-    double reference_ms = first ? time_steps(reference_) : 0;
-    const double ms = time_steps(candidate_);
-    if (!first) reference_ms = time_steps(reference_);
-    note(ms, reference_ms);
-  }
-  times.benchmark = 1e3 * seconds_since(first_pair);
-  const Clock::time_point last_pair = Clock::now();
-  const std::uint64_t expected = hash_(reference_), actual = hash_(candidate_);
-  times.check = 1e3 * seconds_since(last_pair);
-  if (actual == expected) return "";
-  return fmt::format("state {}: hash {:016x}, expected {:016x}", candidate_.steps(), actual, expected);
-}
-
 StageShapes LaunchTuner::stage_shapes() const {
   StageShapes shapes;
   for (const Stage& stage : stages()) {
@@ -147,10 +109,7 @@ StageShapes LaunchTuner::stage_shapes() const {
     std::optional<LaunchShape> shape;
     for (std::size_t cell = 0; cell < stage.cell_ms.size(); ++cell) {
       const LaunchCell& one = search_.cells()[cell];
-      // The median of two samples is too rough.
-      if (one.state != LaunchCell::State::measured || std::ssize(one.ratios) <= LaunchSearch::first_pairs ||
-          !(stage.cell_ms[cell] < best))
-        continue;
+      if (!has_enough_pairs(one) || !(stage.cell_ms[cell] < best)) continue;
       best = stage.cell_ms[cell];
       shape = one.shape;
     }
@@ -159,35 +118,44 @@ StageShapes LaunchTuner::stage_shapes() const {
   return shapes;
 }
 
+bool LaunchTuner::compared_stages() const { return std::ranges::any_of(search_.cells(), has_enough_pairs); }
+
 void LaunchTuner::measure_stage_shapes() {
   const StageShapes shapes = stage_shapes();
   if (shapes.empty()) return;
-  candidate_.set_launch_shape(shape_);
-  candidate_.set_stage_shapes(shapes);
-  CellTimes times;
+  pair_.candidate().set_launch_shape(shape_);
+  pair_.candidate().set_stage_shapes(shapes);
   stage_ratios_.clear();
-  stage_difference_ = measure_pairs(
-      LaunchSearch::fresh_pairs,
-      [&](double ms, double reference_ms) { stage_ratios_.push_back(ms / reference_ms); }, times);
+  for (StageSamples& stage : stages_) stage.fresh.clear();
+  PairedSteps::Durations times =
+      pair_.measure(LaunchSearch::fresh_pairs, ends_, [&](double ms, double reference_ms) {
+        stage_ratios_.push_back(ms / reference_ms);
+        note_stages(std::nullopt);
+      });
+  stage_difference_ = pair_.difference(times);
 }
 
-double LaunchTuner::time_steps(World& world) {
-  const Clock::time_point start = Clock::now();
-  world.step(steps_of_pair);
-  return 1e3 * seconds_since(start) / steps_of_pair;
-}
-
-void LaunchTuner::note_stages(const World& world, std::size_t column) {
-  for (const StageTime& stage : world.latest_times().stages) {
+void LaunchTuner::note_stages(std::optional<std::size_t> cell) {
+  const std::vector<StageTime> of_cell = pair_.candidate().latest_times().stages;
+  for (const StageTime& stage : pair_.reference().latest_times().stages) {
+    const auto other = std::ranges::find(of_cell, stage.name, &StageTime::name);
+    if (other == of_cell.end() || !(stage.last_ms > 0)) continue;
     auto found = std::ranges::find(stages_, stage.name, &StageSamples::name);
-    if (found == stages_.end()) found = stages_.insert(found, {stage.name, false, {}, {}});
+    if (found == stages_.end())
+      found = stages_.insert(found, {stage.name, false, stage.launch, {}, {}, {}, {}});
     found->obeys |= stage.launch.threads > 0 && !stage.library_launch;
-    if (found->ms.size() <= column) {
-      found->ms.resize(column + 1);
-      found->launch.resize(column + 1);
+    found->ms.push_back(static_cast<float>(stage.last_ms));
+    const double ratio = other->last_ms / stage.last_ms;
+    if (!cell) {
+      found->fresh.push_back(ratio);
+      continue;
     }
-    found->launch[column] = stage.launch;
-    found->ms[column].push_back(static_cast<float>(stage.last_ms));
+    if (found->ratios.size() <= *cell) {
+      found->ratios.resize(*cell + 1);
+      found->occupancy.resize(*cell + 1, 0);
+    }
+    found->ratios[*cell].push_back(static_cast<float>(ratio));
+    found->occupancy[*cell] = other->launch.occupancy;
   }
 }
 
@@ -196,13 +164,17 @@ double LaunchTuner::reference_ms() const { return median_of(reference_ms_); }
 std::vector<LaunchTuner::Stage> LaunchTuner::stages() const {
   std::vector<Stage> result;
   for (const StageSamples& samples : stages_) {
-    Stage stage{samples.name, samples.obeys, samples.launch.front(), 0, {}, {}};
+    Stage stage{samples.name,
+                samples.obeys,
+                samples.launch,
+                median_of(samples.ms),
+                {},
+                samples.occupancy,
+                estimate_ratio(samples.fresh)};
     stage.cell_ms.assign(search_.cells().size(), std::numeric_limits<double>::quiet_NaN());
-    stage.occupancy.assign(search_.cells().size(), 0);
-    for (std::size_t column = 0; column < samples.ms.size(); ++column) {
-      (column == 0 ? stage.reference_ms : stage.cell_ms[column - 1]) = median_of(samples.ms[column]);
-      if (column > 0) stage.occupancy[column - 1] = samples.launch[column].occupancy;
-    }
+    stage.occupancy.resize(search_.cells().size(), 0);
+    for (std::size_t cell = 0; cell < samples.ratios.size(); ++cell)
+      stage.cell_ms[cell] = stage.reference_ms * median_of(samples.ratios[cell]);
     result.push_back(std::move(stage));
   }
   return result;

@@ -1,7 +1,6 @@
 #pragma once
-// Measures launch shapes (B, T) of a run. Two worlds start from copies of one state: the reference with the
-// present shape, the other with the shape of a cell. They make the same steps in turns, and must reach the
-// same state hash. The measured run itself is only read.
+// Measures launch shapes (B, T) of a run, by PairedSteps: the reference has the present shape, the candidate
+// that of a cell. Both must reach the same state hash. The measured run itself is only read.
 
 #include <chrono>
 #include <cstdint>
@@ -12,8 +11,8 @@
 #include <vector>
 
 #include "sim_cuda/core/stage_launch.h"
-#include "sim_cuda/run/run_state.h"
 #include "sim_cuda/tuning/launch_search.h"
+#include "sim_cuda/tuning/paired_steps.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {
@@ -49,8 +48,12 @@ class LaunchTuner {
     StageLaunch launch{};     ///< of the reference
     double reference_ms = 0;  ///< median
     // By cell of search().cells():
-    std::vector<double> cell_ms;    ///< median; NaN: not measured
+    /// reference_ms times the median of the ratios, since pairs of different cells are of different states;
+    /// NaN: not measured.
+    std::vector<double> cell_ms;
     std::vector<double> occupancy;  ///< 0 to 1; 0: not known
+    /// With its shape in stage_shapes() over the reference, from the fresh pairs of stage_confirmation().
+    RatioEstimate confirmation;
   };
   std::vector<Stage> stages() const;
 
@@ -67,31 +70,28 @@ class LaunchTuner {
 
   /// The best shape of each stage that obeys (B, T), if its time is below that of the reference.
   StageShapes stage_shapes() const;
+  /// Whether any shape has enough pairs for stage_shapes().
+  bool compared_stages() const;
   /// All of them together over the reference, from fresh pairs.
   RatioEstimate stage_confirmation() const { return estimate_ratio(stage_ratios_); }
   /// How the state with all of them differs; empty: it does not.
   const std::string& stage_difference() const { return stage_difference_; }
 
   /// Replaces World::state_hash(). For tests.
-  void set_hash(std::function<std::uint64_t(World&)> hash) { hash_ = std::move(hash); }
+  void set_hash(std::function<std::uint64_t(World&)> hash) { pair_.set_hash(std::move(hash)); }
 
  private:
-  using Clock = std::chrono::steady_clock;
+  using Clock = PairedSteps::Clock;
   void measure(const LaunchSearch::Task& task, double search_ms);
   void measure_stage_shapes();
-  /// Calls `note` with the times of each pair, ms per step. Returns "", or how the states differ.
-  std::string measure_pairs(int pairs, const std::function<void(double, double)>& note, CellTimes& times);
-  double time_steps(World& world);
-  void note_stages(const World& world, std::size_t column);
+  /// Notes the stage times of a pair. Empty: of stage_shapes().
+  void note_stages(std::optional<std::size_t> cell);
 
-  Scene scene_;
-  RunState state_;
   LaunchShape shape_;
   double budget_, spent_ = 0;
-  World reference_, candidate_;
+  PairedSteps pair_;
   LaunchSearch search_;
   std::optional<LaunchSearch::Task> task_;  ///< in progress; kept if it is cancelled
-  std::function<std::uint64_t(World&)> hash_;
   bool done_ = false;
   std::vector<double> stage_ratios_;
   std::string stage_difference_;
@@ -100,10 +100,13 @@ class LaunchTuner {
   std::vector<CellTimes> cell_times_;
   struct StageSamples {
     std::string name;
-    bool obeys;
-    // Column 0: the reference; then by cell.
-    std::vector<std::vector<float>> ms;
-    std::vector<StageLaunch> launch;
+    bool obeys = false;
+    StageLaunch launch{};
+    std::vector<float> ms;  ///< of the reference
+    // By cell; may be shorter than search().cells().
+    std::vector<std::vector<float>> ratios;
+    std::vector<double> occupancy;
+    std::vector<double> fresh;  ///< ratios with stage_shapes()
   };
   std::vector<StageSamples> stages_;
 };

@@ -55,7 +55,7 @@ sim(recording core scene run world changes snapshot)
 sim(reference core scene dynamics solver measure run world)
 sim(accuracy core scene run world reference)
 sim(stability core scene broad_phase solver measure run world changes snapshot)
-sim(tuning core scene run world)
+sim(tuning core scene run accuracy world)
 
 folder(ui NOT "cuda|${windows}|GL/|epoxy/|EGL/|cub/" MAY ${plain_data})
 

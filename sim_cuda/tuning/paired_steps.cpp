@@ -1,0 +1,64 @@
+#include "sim_cuda/tuning/paired_steps.h"
+
+#include <fmt/format.h>
+
+#include "sim_cuda/core/wall_clock.h"
+
+namespace collidoscope {
+namespace {
+
+std::unique_ptr<World> marked_world(const Scene& scene, const RunOptions& options, const RunState& state) {
+  auto world = std::make_unique<World>(scene, options, &state);
+  world->mark();
+  return world;
+}
+
+double time_steps(World& world) {
+  const PairedSteps::Clock::time_point start = PairedSteps::Clock::now();
+  world.step(PairedSteps::steps_of_pair);
+  return 1e3 * seconds_since(start) / PairedSteps::steps_of_pair;
+}
+
+}  // namespace
+
+PairedSteps::PairedSteps(World& world)
+    : state_(world.state()),
+      reference_(marked_world(world.scene(), world.options(), state_)),
+      candidate_(marked_world(world.scene(), world.options(), state_)),
+      hash_([](World& one) { return one.state_hash(); }) {}
+
+void PairedSteps::replace_candidate(const Scene& scene, const RunOptions& options) {
+  candidate_.reset();
+  candidate_ = marked_world(scene, options, state_);
+}
+
+PairedSteps::Durations PairedSteps::measure(int pairs, Clock::time_point end,
+                                            const std::function<void(double, double)>& note) {
+  // The first steps after a change record graphs and fill caches.
+  for (World* world : {candidate_.get(), reference_.get()}) {
+    if (!world->rewind()) {
+      world->restore(state_);
+      world->mark();
+    }
+    world->step(steps_of_pair);
+  }
+  const Clock::time_point start = Clock::now();
+  for (int pair = 0; pair < pairs && (pair == 0 || Clock::now() < end); ++pair) {
+    const bool first = pair % 2 == 0;
+    double reference_ms = first ? time_steps(*reference_) : 0;
+    const double ms = time_steps(*candidate_);
+    if (!first) reference_ms = time_steps(*reference_);
+    note(ms, reference_ms);
+  }
+  return {1e3 * seconds_since(start), 0};
+}
+
+std::string PairedSteps::difference(Durations& durations) {
+  const Clock::time_point start = Clock::now();
+  const std::uint64_t expected = hash_(*reference_), actual = hash_(*candidate_);
+  durations.check = 1e3 * seconds_since(start);
+  if (actual == expected) return "";
+  return fmt::format("state {}: hash {:016x}, expected {:016x}", candidate_->steps(), actual, expected);
+}
+
+}  // namespace collidoscope
