@@ -192,7 +192,8 @@ TEST_P(LaunchTuners, GoOnAfterCancellation) {
       cancellation.clear();
     }
   EXPECT_GT(cancelled, 10);
-  EXPECT_EQ(tuner.search().confirmation().pairs, LaunchSearch::fresh_pairs);
+  EXPECT_GE(tuner.search().confirmation().pairs, LaunchSearch::fresh_pairs)
+      << "those before a cancellation count, too";
   for (const LaunchCell& cell : tuner.search().cells()) {
     EXPECT_NE(cell.state, LaunchCell::State::waiting);
     EXPECT_NE(cell.state, LaunchCell::State::wrong) << cell.reason;
