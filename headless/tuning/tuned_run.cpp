@@ -51,8 +51,6 @@ const char* name_of(LaunchCell::State state) {
   return "";
 }
 
-double median_ms(const LaunchCell& cell) { return estimate_ratio(cell.ms).ratio; }
-
 double typical_ms(const TunedRun& run, const LaunchCell& cell) {
   return run.reference_ms * cell.estimate().ratio;
 }

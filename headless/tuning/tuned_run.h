@@ -28,10 +28,8 @@ TunedRun tuned_run(World& world, const LaunchTuner& tuner);
 
 /// "measured", "infeasible" ...
 const char* name_of(LaunchCell::State state);
-/// Median time of a step, ms. The cell must be measured.
-double median_ms(const LaunchCell& cell);
-/// Time of the reference times the median ratio, ms. Unlike median times, those of all cells can be compared:
-/// cells with more pairs were measured in later states, too.
+/// Time of a step, ms: that of the reference times the median ratio. Unlike median times, those of all cells
+/// can be compared: cells with more pairs were measured in later states, too. The cell must be measured.
 double typical_ms(const TunedRun& run, const LaunchCell& cell);
 
 }  // namespace collidoscope

@@ -37,9 +37,9 @@ void for_each_tried(const TunedRun& run, const LaunchSearch& search, const Take&
 }
 
 /// "time", "ratio" and its interval as far as it is known.
-std::vector<std::pair<std::string, double>> measurements(const LaunchCell& cell) {
+std::vector<std::pair<std::string, double>> measurements(const TunedRun& run, const LaunchCell& cell) {
   const RatioEstimate ratio = cell.estimate();
-  std::vector<std::pair<std::string, double>> list{{"time", median_ms(cell)}, {"ratio", ratio.ratio}};
+  std::vector<std::pair<std::string, double>> list{{"time", typical_ms(run, cell)}, {"ratio", ratio.ratio}};
   if (std::isfinite(ratio.high)) {
     list.emplace_back("ratio_low", ratio.low);
     list.emplace_back("ratio_high", ratio.high);
@@ -57,7 +57,7 @@ std::string kernel_tuner_cache(const TunedRun& run, const LaunchSearch& search) 
     threads.insert(cell.shape.threads);
     TunerJson entry = configuration(cell.shape);
     if (is_valid(cell)) {
-      for (const auto& [name, value] : measurements(cell)) entry[name] = value;
+      for (const auto& [name, value] : measurements(run, cell)) entry[name] = value;
       entry["times"] = cell.ms;
     } else {
       // Kernel Tuner has no other class for a wrong result.
@@ -89,7 +89,7 @@ std::string t4_results(const TunedRun& run, const LaunchSearch& search) {
   for_each_tried(run, search, [&](const LaunchCell& cell, const LaunchTuner::CellTimes& times) {
     TunerJson values = TunerJson::array();
     if (is_valid(cell)) {
-      for (const auto& [name, value] : measurements(cell))
+      for (const auto& [name, value] : measurements(run, cell))
         values.push_back({{"name", name}, {"value", value}, {"unit", name == "time" ? "ms" : ""}});
     } else {
       values.push_back({{"name", "reason"}, {"value", cell.reason}, {"unit", ""}});
