@@ -119,11 +119,11 @@ TEST(TuneOver, WritesTableAndJson) {
 }
 
 TEST(TuneCommand, ComparesItsChoiceWithAllShapes) {
-  const Outcome outcome = run_headless({"tune", "box_collider", "--bodies", "300", "--executor", "cpu",
-                                        "--budget", "3", "--brute-force", "--json", "-"});
+  const Outcome outcome = run_headless({"tune", "box_collider", "--bodies", "40", "--executor", "cpu",
+                                        "--budget", "2", "--brute-force", "--json", "-"});
   ASSERT_LE(outcome.status, 1) << outcome.err;
   const auto all = nlohmann::json::parse(outcome.out)["brute_force"];
-  EXPECT_GT(all["shapes"], 8);
+  EXPECT_GT(all["shapes"], 4);
   EXPECT_EQ(all["over_chosen"]["pairs"], 41);
   EXPECT_EQ(all["agrees"], outcome.status == 0);
 }
