@@ -96,6 +96,7 @@ int compare_command(const CommandLine& line) {
   World world = start.world(options.run);
   world.step(static_cast<int>(options.steps_or(60)));
   const std::vector<SettingChoice> choices = setting_choices(world, options.tune.over);
+  if (choices.empty()) throw InputError("--over: this run has no other value of these settings");
   SettingComparison result;
   {
     Progress progress("measurements", 1000);

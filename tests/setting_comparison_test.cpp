@@ -134,6 +134,10 @@ TEST(TuneOver, RefusesWhatItCannotCompare) {
   EXPECT_EQ(unknown.err,
             "--over: unknown over \"sorting\"; expected broad-phase, key-bits, sort, cpu-threads, solver, "
             "substeps, iterations or precision\n");
+  const Outcome none = run_headless({"tune", "box_collider", "--bodies", "20", "--executor", "cpu",
+                                     "--broad-phase", "brute_force", "--over", "key-bits"});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_EQ(none.err, "--over: this run has no other value of these settings\n");
   const Outcome picture = run_headless({"tune", "box_collider", "--over", "sort", "--picture", "map.png"});
   EXPECT_EQ(picture.status, 2);
   EXPECT_EQ(picture.err, "--picture: not with --over, which measures no map\n");
