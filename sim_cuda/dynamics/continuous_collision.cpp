@@ -19,7 +19,7 @@ struct ClampToImpact {
   std::uint32_t* fraction;
   std::uint32_t* entered;
   Real h;                                   ///< s
-  static constexpr int most_threads = 384;  // measured, H200: half of the time for 100,000 bodies
+  static constexpr int most_threads = 384;  // measured, H200: 100,000 bodies take 45 % less than with 1024
 
   SIM_HD std::int64_t items(int round) const {
     if (round == 0) return body_count;
