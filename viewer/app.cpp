@@ -241,6 +241,7 @@ void App::fill(WorkspaceView& view) {
     view.effect_views = effects_;
     view.measuring_effects = measuring_effects_;
   }
+  view.measuring = measuring_;
   if (shows_accuracy()) view.accuracy = &accuracy_view_;
   if (shows_launch_map()) view.launch_map = &launch_map_view_;
   if (shows_hard_cases()) view.hard_cases = &hard_cases_view_;

@@ -58,7 +58,7 @@ nlohmann::ordered_json accuracy_json(const Workspace& workspace, const Workspace
   if (view.accuracy == nullptr) return nullptr;
   const AccuracyView& panel = *view.accuracy;
   Json accuracy = {{"tolerance", workspace.accuracy.tolerance},
-                   {"running", workspace.accuracy.running},
+                   {"running", workspace.accuracy.running || view.measuring},
                    {"since", panel.start_state},
                    {"done", panel.done},
                    {"doing", panel.current_task},
@@ -85,7 +85,7 @@ nlohmann::ordered_json launch_map_json(const Workspace& workspace, const Workspa
   using Json = nlohmann::ordered_json;
   if (view.launch_map == nullptr) return nullptr;
   const LaunchMapView& panel = *view.launch_map;
-  Json map = {{"running", workspace.launch_map.running},
+  Json map = {{"running", workspace.launch_map.running || view.measuring},
               {"done", panel.done},
               {"spent", panel.spent},
               {"budget", panel.budget},
