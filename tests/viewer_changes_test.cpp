@@ -13,10 +13,14 @@
 namespace collidoscope {
 namespace {
 
+/// The next file of changes.
 std::string written_changes(WindowDriver& window) {
+  const std::string before = window.frame()["notice"];
   window.click("run.changes");
-  EXPECT_TRUE(window.wait_for(
-      [](const Json& f) { return f["notice"].get<std::string>().starts_with("wrote captures/changes_"); }));
+  EXPECT_TRUE(window.wait_for([&](const Json& f) {
+    const std::string notice = f["notice"];
+    return notice != before && notice.starts_with("wrote captures/changes_");
+  }));
   return window.file(window.frame()["notice"].get<std::string>().substr(6));
 }
 
@@ -67,8 +71,7 @@ TEST_F(Viewer, ADragIsOneChange) {
       window.move(x(from + (to - from) * k / 6), y);
       window.next_frame();
     }
-    window.hands({"mouseup", "1"});
-    window.next_frame();
+    window.input({"mouseup", "1"}, 1);
   };
   drag("settings.restitution", 0.8, 0.3);
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["restitution"] < 0.5; }));
@@ -101,11 +104,9 @@ TEST_F(Viewer, ADragIsOneChange) {
 }
 
 TEST_F(Viewer, CountsPairsOfAStateThatWasChanged) {
-  WindowDriver window({"box_collider", "--bodies", "600", "--size", "1280x900"});
-  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] >= 3; }));
+  WindowDriver window({"box_collider", "--bodies", "600", "--steps", "3", "--size", "1280x900"});
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 3 && f["playing"] == false; }));
   window.move(640, 300);
-  window.key("space");
-  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["playing"] == false; }));
   const int before = window.frame()["pairs"];
   ASSERT_GT(before, 10);
   window.key("b");

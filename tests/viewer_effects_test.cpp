@@ -89,7 +89,7 @@ TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
   window.key("s");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 8; }));
   EXPECT_TRUE(window.wait_for([](const Json& f) { return f["widgets"].contains("convergence.plot"); }))
-      << "recorded with the next step";
+      << "recorded with the next step: " << window.frame();
   window.click("panel.convergence");
   EXPECT_TRUE(window.wait_for([](const Json& f) { return !f["widgets"].contains("convergence.plot"); }));
   window.click("settings.substeps.auto");

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include <iterator>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -109,6 +111,16 @@ WindowDriver::~WindowDriver() {
   }
 }
 
+namespace {
+
+std::int64_t number_after(std::string_view line, std::string_view key) {
+  const std::size_t at = line.find(key);
+  if (at == line.npos) throw std::runtime_error("no " + std::string(key) + " in a frame");
+  return std::strtoll(line.data() + at + key.size(), nullptr, 10);
+}
+
+}  // namespace
+
 void WindowDriver::read_lines() {
   std::ifstream stream(file("automation.jsonl"), std::ios::binary);
   stream.seekg(static_cast<std::streamoff>(read_to_));
@@ -117,9 +129,20 @@ void WindowDriver::read_lines() {
   partial_ += text;
   const std::size_t end = partial_.rfind('\n');
   if (end == std::string::npos) return;
-  const std::size_t before = end == 0 ? std::string::npos : partial_.rfind('\n', end - 1);
-  const std::size_t begin = before == std::string::npos ? 0 : before + 1;
-  frame_ = Json::parse(partial_.substr(begin, end - begin));
+  for (std::size_t to = end; to != std::string::npos;) {  // from the newest line back
+    const std::size_t before = to == 0 ? std::string::npos : partial_.rfind('\n', to - 1);
+    const std::size_t from = before == std::string::npos ? 0 : before + 1;
+    const std::string_view line = std::string_view(partial_).substr(from, to - from);
+    if (to == end) {
+      newest_ = number_after(line, R"("frame":)");
+      releases_ = number_after(line, R"("releases":)");
+    }
+    if (line.find(R"("complete":true)") != line.npos) {
+      frame_ = Json::parse(line);
+      break;
+    }
+    to = before;
+  }
   partial_.erase(0, end + 1);
 }
 
@@ -130,9 +153,22 @@ const WindowDriver::Json& WindowDriver::frame() {
 
 const WindowDriver::Json& WindowDriver::next_frame() {
   // The second next frame: the next one may have read its events already.
-  const std::int64_t now = frame().value("frame", std::int64_t{0});
+  read_lines();
+  const std::int64_t now = newest_;
   wait_for([now](const Json& f) { return f["frame"] > now + 1; });
   return frame_;
+}
+
+void WindowDriver::input(const std::vector<std::string>& xdotool, std::int64_t releases) {
+  read_lines();
+  const std::int64_t expected = releases_ + releases;
+  hands(xdotool);
+  const auto end = Clock::now() + std::chrono::seconds(30);
+  while (releases_ < expected && Clock::now() < end && running()) {
+    pause_for(0.005);
+    read_lines();
+  }
+  next_frame();
 }
 
 bool WindowDriver::running() {
@@ -263,8 +299,7 @@ void WindowDriver::hands(const std::vector<std::string>& xdotool) {
 void WindowDriver::move(int x, int y) { hands({"mousemove", std::to_string(x), std::to_string(y)}); }
 
 void WindowDriver::click_at(int x, int y, int button) {
-  hands({"mousemove", std::to_string(x), std::to_string(y), "click", std::to_string(button)});
-  next_frame();
+  input({"mousemove", std::to_string(x), std::to_string(y), "click", std::to_string(button)}, 1);
 }
 
 void WindowDriver::click(const std::string& widget) {
@@ -273,8 +308,7 @@ void WindowDriver::click(const std::string& widget) {
 }
 
 void WindowDriver::key(const std::string& name) {
-  hands({"key", name});
-  next_frame();
+  input({"key", name}, 1 + std::count(name.begin(), name.end(), '+'));
 }
 
 void WindowDriver::type_into(const std::string& widget, const std::string& text) {
@@ -283,10 +317,9 @@ void WindowDriver::type_into(const std::string& widget, const std::string& text)
 }
 
 void WindowDriver::type(const std::string& text) {
-  hands({"key", "ctrl+a"});
-  hands({"type", "--", text});
-  hands({"key", "Return"});
-  next_frame();
+  key("ctrl+a");
+  input({"type", "--", text}, std::ssize(text));
+  key("Return");
 }
 
 void WindowDriver::drag(int from_x, int from_y, int to_x, int to_y, int button) {
@@ -295,8 +328,7 @@ void WindowDriver::drag(int from_x, int from_y, int to_x, int to_y, int button) 
   next_frame();
   for (int k = 1; k <= 4; ++k) move(from_x + (to_x - from_x) * k / 4, from_y + (to_y - from_y) * k / 4);
   next_frame();
-  hands({"mouseup", b});
-  next_frame();
+  input({"mouseup", b}, 1);
 }
 
 void WindowDriver::resize(int width, int height) {

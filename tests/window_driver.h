@@ -34,7 +34,7 @@ class WindowDriver {
   WindowDriver(const WindowDriver&) = delete;
   WindowDriver& operator=(const WindowDriver&) = delete;
 
-  /// The newest frame.
+  /// The newest frame whose panels and picture show one state.
   const Json& frame();
   /// Waits for a frame that begins after this call.
   const Json& next_frame();
@@ -56,6 +56,8 @@ class WindowDriver {
   bool sees(const std::string& widget);
 
   void hands(const std::vector<std::string>& xdotool);  ///< any xdotool command
+  /// Waits until the window has handled this command, which releases that many keys and buttons.
+  void input(const std::vector<std::string>& xdotool, std::int64_t releases);
   void move(int x, int y);
   void click(const std::string& widget);
   void click_at(int x, int y, int button = 1);
@@ -84,6 +86,7 @@ class WindowDriver {
   std::size_t read_to_ = 0;
   std::string partial_;
   Json frame_;
+  std::int64_t newest_ = 0, releases_ = 0;  ///< number and releases of the newest frame, complete or not
   int status_ = -1;
   int x_ = 0, y_ = 0;  ///< position of the window
 };

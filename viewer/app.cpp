@@ -173,6 +173,7 @@ void App::frame(double seconds) {
   if (workspace_.screenshot_requested) with_error_bar([&] { scene_.finish_drawing(); });
   // Short steps are waited for, so that requests are handled in this frame.
   constexpr std::chrono::milliseconds patience(8);
+  publish_skipped_ = false;
   has_world_ = simulation_.paused() || (needs_world() && simulation_.pause(patience));
   if (has_world_) {
     use_world();
@@ -287,6 +288,8 @@ void App::write_automation(const WorkspaceView& view, double ui_ms) {
   if (!automation_) return;
   Automation::Frame frame;
   frame.frame = frame_;
+  frame.complete = !scene_.is_drawing() && (workspace_.playing || !publish_skipped_);
+  frame.releases = input_.releases();
   frame.width = picture_.width();
   frame.height = picture_.height();
   with_error_bar([&] {

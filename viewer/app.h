@@ -147,6 +147,7 @@ class App {
   History history_;                       ///< up to this state
   Settings known_settings_;               ///< settings of the run when they were last compared
   bool has_world_ = false;  ///< the simulation thread is paused, and this thread may use live_ and breaks_
+  bool publish_skipped_ = false;  ///< in this frame, as an earlier state was being drawn
   struct ReplacedRun {
     Start start;
     RunOptions options;

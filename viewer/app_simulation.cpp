@@ -166,7 +166,8 @@ void App::follow_settings(const Settings& now) {
 }
 
 void App::publish() {
-  if (scene_.is_drawing()) return;  // the state must stay the same
+  publish_skipped_ = scene_.is_drawing();  // the state must stay the same
+  if (publish_skipped_) return;
   if (!next_) next_ = std::make_unique<PublishedState>();
   publish_state(live_, plan().request, &reference_, *next_);
   next_->view.stop = breaks_.stop(live_);

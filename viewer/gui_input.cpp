@@ -26,7 +26,11 @@ void GuiInput::set_clipboard(void* self, const char* text) {
 
 std::vector<InputEvent> GuiInput::feed() {
   std::vector<InputEvent> taken = take_events_of_a_frame(window_.events());
-  for (const InputEvent& event : taken) gui_.add(event);
+  for (const InputEvent& event : taken) {
+    gui_.add(event);
+    const bool pressed = event.down || event.repeat;
+    releases_ += !pressed && (event.kind == InputEvent::Kind::key || event.kind == InputEvent::Kind::button);
+  }
   return taken;
 }
 

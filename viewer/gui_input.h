@@ -3,6 +3,7 @@
 // low frame rates. An event that does not fit into one frame therefore waits for the next. ImGui's GLFW
 // backend is not used, since the camera must handle the same events in the same frame.
 
+#include <cstdint>
 #include <deque>
 #include <string>
 #include <vector>
@@ -23,6 +24,9 @@ class GuiInput {
   /// Call before ImGui::NewFrame(). Adds the events of this frame to ImGui and returns them.
   std::vector<InputEvent> feed();
 
+  /// Number of releases of keys and buttons so far.
+  std::int64_t releases() const { return releases_; }
+
  private:
   static const char* get_clipboard(void* self);
   static void set_clipboard(void* self, const char* text);
@@ -30,6 +34,7 @@ class GuiInput {
   Window& window_;
   GuiEvents gui_;
   std::string clipboard_;
+  std::int64_t releases_ = 0;
 };
 
 }  // namespace collidoscope

@@ -138,6 +138,8 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
   using Json = nlohmann::ordered_json;
   const Settings& s = view.active_settings;
   Json line = {{"frame", frame.frame},
+               {"complete", frame.complete},
+               {"releases", frame.releases},
                {"scene", view.scene},
                {"window", {frame.width, frame.height}},
                {"step", view.stats.step},

@@ -18,6 +18,8 @@ class Automation {
 
   struct Frame {
     std::int64_t frame = 0;
+    bool complete = true;                               ///< the panels and the picture show one state
+    std::int64_t releases = 0;                          ///< of keys and buttons, since the start
     int width = 0, height = 0;                          ///< pixels of the window
     std::optional<std::uint64_t> state_hash;            ///< only while paused
     double camera[6] = {};                              ///< target, azimuth, elevation, distance
