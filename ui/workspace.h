@@ -198,7 +198,7 @@ struct WorkspaceView {
   std::vector<EffectView> effect_views;   ///< all effects; empty while the panel is folded
   bool measuring_effects = false;
   bool measuring = false;  ///< a panel measures, or its last slice is in progress
-  int key_bits = 0;  ///< length of the Morton codes; 0: none
+  int key_bits = 0;        ///< length of the Morton codes; 0: none
 
   StepStats stats;
   double time = 0;  ///< s, simulated time
