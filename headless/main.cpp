@@ -13,6 +13,7 @@
 #include "headless/cli/process.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
+#include "headless/cli/tuned_option.h"
 #include "headless/compare.h"
 #include "headless/markdown/reference_pages.h"
 #include "headless/replay.h"
@@ -26,6 +27,7 @@ namespace {
 int interruptible(CommandLine line, int (*command)(const CommandLine&)) {
   return run_interruptible([&](Cancellation& cancellation) {
     line.options.run.cancellation = &cancellation;
+    if (line.command == Command::run || line.command == Command::capture) load_tuned(line.options);
     return command(line);
   });
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -12,6 +13,7 @@
 #include "headless/cli/output_file.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
+#include "headless/cli/tuned_option.h"
 #include "headless/pictures/chart_picture.h"
 #include "headless/tuning/launch_map.h"
 #include "headless/tuning/setting_table.h"
@@ -20,6 +22,7 @@
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/tuning/brute_force.h"
 #include "sim_cuda/tuning/launch_tuner.h"
+#include "sim_cuda/tuning/tuned_file.h"
 
 namespace collidoscope {
 namespace {
@@ -33,7 +36,7 @@ std::string text_of(const BruteForce& all, LaunchShape chosen) {
                      all.agrees() ? "the search has found an optimum" : "THE SEARCH HAS MISSED IT");
 }
 
-TuneJson report_of(const TunedRun& run, const LaunchTuner& tuner) {
+TuneJson report_of(const World& world, const TunedRun& run, const LaunchTuner& tuner) {
   const LaunchSearch& search = tuner.search();
   TuneJson report{{"scene", run.scene},
                   {"bodies", run.bodies},
@@ -78,6 +81,9 @@ TuneJson report_of(const TunedRun& run, const LaunchTuner& tuner) {
   }
   report["stage_shapes"] = {{"flag", stage_shapes_text(best)},
                             {"confirmation", estimate_json(tuner.stage_confirmation())}};
+  report["tuned"] = nullptr;
+  if (const std::optional<TunedShapes> result = tuned_result(world, tuner))
+    report["tuned"] = TuneJson::parse(write_tuned({*result}))["results"][0];
   return report;
 }
 
@@ -190,7 +196,9 @@ int tune_command(const CommandLine& line) {
   std::optional<OutputFile> json = file("--json", options.json == "-" ? "" : options.json),
                             cache = file("--kernel-tuner", options.tune.kernel_tuner),
                             results = file("--t4", options.tune.t4),
-                            picture = file("--picture", options.tune.picture);
+                            picture = file("--picture", options.tune.picture),
+                            tuned = file("--tuned", options.tuned == "off" ? "" : options.tuned);
+  if (tuned && std::filesystem::exists(options.tuned)) read_tuned(options.tuned);  // throws if it has a fault
   if (picture) ChartPicture(8, 8);  // throws if the machine cannot draw
   const Start start = load_start(line);
   World world = start.world(options.run);
@@ -210,7 +218,7 @@ int tune_command(const CommandLine& line) {
     all = brute_force(world, tuner.search(),
                       [&](double share) { progress.update(std::llround(1000 * share)); });
   }
-  TuneJson json_report = report_of(run, tuner);
+  TuneJson json_report = report_of(world, run, tuner);
   if (all)
     json_report["brute_force"] = {
         {"shapes", all->shapes},        {"blocks", all->best.blocks},
@@ -227,7 +235,8 @@ int tune_command(const CommandLine& line) {
   write(results, [&] { return t4_results(run, tuner.search()); });
   if (picture)  // write_png() replaces the file at once
     write_png(ChartPicture().draw(launch_map(run, tuner.search())), options.tune.picture);
-  std::string text = text_of(run, tuner);
+  const std::string kept = keep_result(options, tuned ? &*tuned : nullptr, world, tuner);
+  std::string text = text_of(run, tuner) + kept + (kept.empty() ? "" : "\n");
   if (all) text += text_of(*all, tuner.search().cells()[*tuner.search().chosen()].shape);
   print(options.json == "-" ? report : text);
   int wrong = 0;

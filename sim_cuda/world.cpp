@@ -39,10 +39,14 @@ WorldInfo World::info() const {
   return {.on_gpu = executor.on_device(),
           .gpu = executor.gpu(),
           .device_name = executor.device_name(),
+          .tuned = run_->tuned().used != nullptr ? tuned_text(*run_->tuned().used) : "",
+          .tuned_rejection = run_->tuned().rejection,
           .key_bits = has_morton_keys(run_->options.broad_phase) ? executor.options().key_bits : 0,
           .allocated_bytes = executor.allocated_bytes(),
           .broad_phase_bytes = run_->runner().pipeline().broad_phase_bytes()};
 }
+
+TuningConditions World::tuning_conditions() const { return run_->tuning_conditions(); }
 
 std::map<std::string, std::int64_t> World::buffers() const { return run_->executor.bytes_by_name(); }
 

@@ -55,6 +55,7 @@ class World {
   /// Substeps that joints call for if "auto" does not give so many; otherwise 0.
   double substeps_missed() const;
   WorldInfo info() const;
+  TuningConditions tuning_conditions() const;  ///< what the fastest launch shapes of this run depend on
   std::map<std::string, std::int64_t> buffers() const;  ///< WorldInfo::allocated_bytes by buffer name
 
   StateValidation& validation();

@@ -1,6 +1,6 @@
 // Tests the comparison of two things that were measured in pairs.
 
-#include "sim_cuda/tuning/ratio_estimate.h"
+#include "sim_cuda/core/ratio_estimate.h"
 
 #include <gtest/gtest.h>
 

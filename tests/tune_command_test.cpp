@@ -23,8 +23,9 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 std::vector<std::string> tune(const std::vector<std::string>& more) {
-  std::vector<std::string> arguments{"tune", "box_collider", "--bodies", "200",      "--executor",
-                                     "cpu",  "--steps",      "2",        "--budget", "1"};
+  std::vector<std::string> arguments{"tune",    "box_collider", "--bodies", "200",      "--executor",
+                                     "cpu",     "--steps",      "2",        "--budget", "1",
+                                     "--tuned", "off"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }

@@ -150,6 +150,13 @@ void draw_shape(Workspace& workspace, const WorkspaceView& view) {
     lines.insert(lines.begin(), fmt::format("{} × {} = {} {}", grouped_number(shape.blocks), shape.threads,
                                             grouped_number(std::int64_t{shape.blocks} * shape.threads),
                                             view.executor == "CPU" ? "lanes" : "threads"));
+  if (shape == LaunchShape{} && !view.tuned.empty()) {
+    faint_text("auto uses a result of the Launch map");
+    explain((view.tuned + ". --tuned off: plain auto").c_str());
+  } else if (shape == LaunchShape{} && !view.tuned_rejection.empty()) {
+    faint_text("auto uses no result of the Launch map");
+    explain(("The nearest one does not fit: the " + view.tuned_rejection).c_str());
+  }
   for (const std::string& line : lines) {
     faint_text(line);
     explain(

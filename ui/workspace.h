@@ -197,8 +197,9 @@ struct WorkspaceView {
   double substeps_missed = 0;             ///< see joint_substeps.h
   std::vector<EffectView> effect_views;   ///< all effects; empty while the panel is folded
   bool measuring_effects = false;
-  bool measuring = false;  ///< a panel measures, or its last slice is in progress
-  int key_bits = 0;        ///< length of the Morton codes; 0: none
+  bool measuring = false;              ///< a panel measures, or its last slice is in progress
+  std::string tuned, tuned_rejection;  ///< see WorldInfo
+  int key_bits = 0;                    ///< length of the Morton codes; 0: none
 
   StepStats stats;
   double time = 0;  ///< s, simulated time

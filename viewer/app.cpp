@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "headless/cli/tuned_option.h"
 #include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/box_collider.h"
@@ -229,6 +230,9 @@ void App::follow_panels() {
   if (shows_accuracy()) accuracy_view_ = accuracy_.view(live_.world(), workspace_.accuracy);
   if (shows_launch_map()) {
     launch_map_view_ = launch_map_.view(live_.world());
+    if (const LaunchTuner* const tuner = launch_map_.take_complete())
+      if (const std::string kept = keep_result(options_, nullptr, live_.world(), *tuner); !kept.empty())
+        show_notice(kept);
     launch_map_view_.colors = value_legend();
   }
   if (shows_hard_cases()) hard_cases_view_ = stability_.view();

@@ -12,6 +12,7 @@
 #include "headless/cli/process.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
+#include "headless/cli/tuned_option.h"
 #include "sim_cuda/stability/hard_case.h"
 #include "viewer/app.h"
 
@@ -36,6 +37,7 @@ int show(CommandLine line) {
   line.options.run.cancellation = &cancellation;
   try {
     const Start start = load_start(line);
+    load_tuned(line.options);
     // Reports an invalid folder at once, not when the panel opens.
     if (const std::string& cases = line.options.stability.cases; !cases.empty()) read_hard_cases(cases);
     App app(start, line.options);

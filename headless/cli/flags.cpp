@@ -192,6 +192,12 @@ std::vector<Flag> all_flags() {
         on<run, &RunOptions::allow_large>},
        {"--stage-shapes", "LIST", "B and T of single stages, such as solve=264x128,relax=0x64; 0: auto",
         stage_shapes}});
+  add("Execution", running | capturing | viewing | tuning,
+      {{"--tuned", "FILE|off",
+        "launch shapes that tune measured; auto uses them on the same device, driver, build and size, and "
+        "tune "
+        "adds its own [those of assets/tuned.json and of the user's cache]",
+        file<&Options::tuned>}});
   add("Output", reporting,
       {{"--json", "FILE|-", "the report as JSON; -: on stdout, without other text", file<&Options::json>}});
   add("Output", running,

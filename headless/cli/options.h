@@ -70,6 +70,7 @@ struct TuneOptions {
 
 struct Options {
   RunOptions run;
+  std::string tuned;  ///< file of launch shapes, "off", or empty: those that are known
   Overrides overrides;
   std::optional<std::int64_t> steps;  ///< unset: 300, of `bvh` 0
   std::string json;                   ///< file, "-" for stdout, or empty

@@ -112,6 +112,9 @@ std::string numbers_text(const RunReport& report) {
       line("", fmt::format("potential energy includes push_work {:.6g} J", last.push_work - first.push_work));
   text += line("momentum", vector(last.momentum, "kg m/s"));
   text += line("angular momentum", vector(last.angular_momentum, "kg m^2/s"));
+  if (!report.tuned.empty()) text += line("launch shapes", "auto, by tune: " + report.tuned);
+  if (!report.tuned_rejection.empty())
+    text += line("launch shapes", "auto; a result of tune is not used: " + report.tuned_rejection);
   if (last.joints > 0) {
     text += line("joints", fmt::format("{}; max error {:.3g} m, {:.3g} rad", grouped(last.joints),
                                        last.max_joint_error, last.max_joint_angle));
@@ -147,17 +150,6 @@ std::string numbers_text(const RunReport& report) {
 
 }  // namespace
 
-namespace {
-
-std::vector<std::string> names_of(Effects effects) {
-  std::vector<std::string> names;
-  for (const EffectName& effect : effect_names)
-    if (effects.*(effect.flag)) names.emplace_back(effect.name);
-  return names;
-}
-
-}  // namespace
-
 RunReport make_report(World& world, const StepStats& initial, std::optional<double> wall_seconds) {
   const Scene& scene = world.scene();
   // Must precede measure(), which detects contacts again.
@@ -180,6 +172,8 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
       .settings = settings_of(scene, world.options()),
       .has_generator_settings = scene.generators.size() == 1,
       .shape = world.launch_shape(),
+      .tuned = info.tuned,
+      .tuned_rejection = info.tuned_rejection,
       .substeps = world.substeps(),
       .iterations = scene.physics.iterations,
       .substeps_missed = world.substeps_missed(),
@@ -218,6 +212,8 @@ nlohmann::ordered_json json_of(const RunReport& report) {
   json["bodies"] = last.bodies;
   json["blocks"] = report.shape.blocks;
   json["threads"] = report.shape.threads;
+  json["tuned"] = report.tuned.empty() ? Json(nullptr) : Json(report.tuned);
+  json["tuned_rejection"] = report.tuned_rejection.empty() ? Json(nullptr) : Json(report.tuned_rejection);
   json["steps"] = last.step;
   json["time_step"] = report.time_step;
   json["substeps"] = report.substeps;

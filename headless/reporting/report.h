@@ -33,6 +33,7 @@ struct RunReport {
   RunSettings settings;                                             ///< as requested
   bool has_generator_settings = false;                              ///< the scene has exactly one generator
   LaunchShape shape;                                                ///< 0: "auto"
+  std::string tuned, tuned_rejection;                               ///< see WorldInfo
   int substeps = 1, iterations = 1;
   double substeps_missed = 0;  ///< see joint_substeps.h
   double time_step = 0;        ///< s

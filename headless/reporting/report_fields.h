@@ -22,6 +22,8 @@ inline constexpr auto report_fields = std::to_array<ReportField>({
     {"bodies", "", "number of bodies"},
     {"blocks", "", "of the requested launch shape; 0 is auto"},
     {"threads", "", "of the requested launch shape; 0 is auto"},
+    {"tuned", "", "which result of `tune` the automatic launch shapes are from; null: of none"},
+    {"tuned_rejection", "", "why no result for this device is used; null: there is none, or one is used"},
     {"steps", "", "number of the last state"},
     {"time_step", "s", "duration of a step"},
     {"substeps", "", "of a step"},

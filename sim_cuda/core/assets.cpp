@@ -33,4 +33,14 @@ fs::path asset(const std::string& name) {
                      "; set COLLIDOSCOPE_ASSETS to the folder that contains it");
 }
 
+fs::path cache_folder() {
+  const auto folder_of = [](const char* variable) {
+    const char* value = std::getenv(variable);
+    return fs::path(value != nullptr ? value : "");
+  };
+  fs::path folder = folder_of("XDG_CACHE_HOME");
+  if (!folder.is_absolute()) folder = folder_of("HOME").is_absolute() ? folder_of("HOME") / ".cache" : "";
+  return folder.empty() ? folder : folder / "collidoscope";
+}
+
 }  // namespace collidoscope

@@ -16,6 +16,10 @@ std::vector<std::filesystem::path> asset_folders();
 /// it. Throws MachineError, which lists the searched folders.
 std::filesystem::path asset(const std::string& name);
 
+/// The folder of files that can be computed again: $XDG_CACHE_HOME/collidoscope, else
+/// $HOME/.cache/collidoscope. It may not exist. Empty if both variables are unset or relative.
+std::filesystem::path cache_folder();
+
 /// The folder of the running program, with symbolic links resolved.
 std::filesystem::path program_folder();
 

@@ -25,6 +25,19 @@ std::string cpu_name() {
   return "CPU";
 }
 
+#if SIM_CUDA
+/// "NVRM version: NVIDIA UNIX x86_64 Kernel Module  580.95.05  ..." gives 580.
+std::string driver_branch() {
+  std::ifstream info("/proc/driver/nvidia/version");
+  for (std::string word; info >> word && word != "GCC";)
+    if (const std::size_t dot = word.find('.'); dot != word.npos && dot > 0)
+      if (word.find_first_not_of("0123456789.") == word.npos) return word.substr(0, dot);
+  int version = 0;
+  check(cudaDriverGetVersion(&version), "query the driver");
+  return "CUDA " + std::to_string(version / 1000) + '.' + std::to_string(version % 1000 / 10);
+}
+#endif
+
 }  // namespace
 
 bool cuda_available(std::string* why) {
@@ -69,6 +82,7 @@ ComputeDevice open_device(const ExecutorOptions& options) {
   check(cudaGetDeviceProperties(&properties, options.gpu),
         "query the properties of GPU " + std::to_string(options.gpu));
   device.name = properties.name;
+  device.driver = driver_branch();
   device.max_threads = properties.maxThreadsPerBlock;
   device.max_blocks = properties.maxGridSize[0];
   device.multiprocessors = properties.multiProcessorCount;

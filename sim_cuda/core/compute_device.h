@@ -13,6 +13,7 @@ struct ComputeDevice {
   bool is_gpu = false;
   std::string name;  ///< from CUDA or /proc/cpuinfo
   // GPU only.
+  std::string driver;           ///< branch of the NVIDIA driver, "580"; else its CUDA version
   int max_threads = 1024;       ///< per block
   int max_blocks = 2147483647;  ///< per launch
   int multiprocessors = 0;

@@ -12,7 +12,7 @@ namespace collidoscope {
 
 namespace {
 
-int cpu_threads(int requested) {
+int threads_of(int requested) {
   return requested > 0 ? requested : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
@@ -20,7 +20,7 @@ int cpu_threads(int requested) {
 
 Executor::Executor(const ExecutorOptions& options)
     : options_(options),
-      team_(cpu_threads(options.cpu_threads)),
+      team_(threads_of(options.cpu_threads)),
       device_(open_device(options)),
       memory_(device_, options)
 #if SIM_CUDA
@@ -55,11 +55,13 @@ void Executor::check_shape(LaunchShape shape) const {
 #endif
 }
 
-void Executor::set_shapes(LaunchShape shape, const StageShapes& by_stage) {
+void Executor::set_shapes(LaunchShape shape, const StageShapes& by_stage, bool only_if_they_fit) {
   check_shape(shape);
   for (const auto& [stage, one] : by_stage) check_shape(one);
 #if SIM_CUDA
-  planner_.set_shapes(shape, by_stage);
+  planner_.set_shapes(shape, by_stage, only_if_they_fit);
+#else
+  static_cast<void>(only_if_they_fit);
 #endif
   options_.shape = shape;
   options_.stage_shapes = by_stage;
@@ -82,7 +84,7 @@ double Executor::equal_cores() const {
   // Measured on an H200 with 132 multiprocessors and 10,000,000 bodies: as fast as 1,300 cores.
   if (on_device()) return 8.0 * device_.multiprocessors;
 #endif
-  static const int cores = cpu_threads(0);  // cached, because the C library reads a file for it
+  static const int cores = threads_of(0);  // cached, because the C library reads a file for it
   return std::min(team_.threads(), cores);
 }
 

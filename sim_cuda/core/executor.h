@@ -47,6 +47,8 @@ class Executor {
   Executor& operator=(const Executor&) = delete;
 
   bool on_device() const { return device_.is_gpu; }
+  int cpu_threads() const { return team_.threads(); }
+  const std::string& driver() const { return device_.driver; }
   int gpu() const { return on_device() ? options_.gpu : -1; }
   const std::string& device_name() const { return device_.name; }
   /// Number of CPU cores with about the same throughput; on the CPU, the number of threads used.
@@ -56,7 +58,8 @@ class Executor {
   ThreadTeam& team() { return team_; }
 
   /// Sets (B, T) for the stages enqueued afterwards. Throws MachineError if the device does not support it.
-  void set_shapes(LaunchShape shape, const StageShapes& by_stage);
+  /// `only_if_they_fit`: a kernel that cannot have its shape gets an automatic one.
+  void set_shapes(LaunchShape shape, const StageShapes& by_stage, bool only_if_they_fit = false);
 
   // Memory of this executor, on the device or the host. See MemorySpace.
   void* allocate(const char* name, std::size_t bytes) { return memory_.allocate(name, bytes); }

@@ -47,9 +47,17 @@ const LaunchPlanner::KernelFit& LaunchPlanner::kernel_fit(const void* kernel, in
   return fits_.emplace(std::pair{kernel, threads}, fit).first->second;
 }
 
+LaunchShape LaunchPlanner::requested(const void* kernel, const char* name, SharedBytes shared) {
+  const LaunchShape shape = shape_of_stage(stages_.stage(), requested_, by_stage_);
+  if (only_if_they_fit_ && shape.threads > 0 &&
+      kernel_fit(kernel, shape.threads, name, shared).resident_blocks == 0)
+    return {};
+  return shape;
+}
+
 LaunchShape LaunchPlanner::choose_shape(const void* kernel, const char* name, std::int64_t items,
                                         bool at_once, SharedBytes shared) {
-  const LaunchShape requested = this->requested();
+  const LaunchShape requested = this->requested(kernel, name, shared);
   const KernelFit& fit = kernel_fit(kernel, requested.threads, name, shared);
   const std::int64_t needed = (items + fit.threads - 1) / fit.threads;
   const std::int64_t resident = std::int64_t{fit.resident_blocks} * device_.multiprocessors;
@@ -69,7 +77,7 @@ LaunchShape LaunchPlanner::choose_cooperative_shape(const void* kernel, const ch
                      shared = (items + blocks - 1) / blocks;
   const int usual = static_cast<int>(std::clamp<std::int64_t>(
       (shared + 31) / 32 * 32, 64, std::min(most_threads, device_.max_threads / blocks_per_multiprocessor)));
-  const LaunchShape requested = this->requested();
+  const LaunchShape requested = this->requested(kernel, name, nullptr);
   const int threads = requested.threads > 0 ? requested.threads : usual;
   const KernelFit& fit = kernel_fit(kernel, threads, name, nullptr);
   const std::int64_t resident = std::int64_t{fit.resident_blocks} * device_.multiprocessors;

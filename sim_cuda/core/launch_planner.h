@@ -23,10 +23,11 @@ class LaunchPlanner {
   LaunchPlanner(const ComputeDevice& device, StageRecorder& stages);
 
   /// Sets B and T for all stages, and for single ones; 0 is automatic. Precondition: all are within the
-  /// limits of the device.
-  void set_shapes(LaunchShape requested, const StageShapes& by_stage) {
+  /// limits of the device. `only_if_they_fit`: where a kernel cannot have them, they are automatic.
+  void set_shapes(LaunchShape requested, const StageShapes& by_stage, bool only_if_they_fit) {
     requested_ = requested;
     by_stage_ = by_stage;
+    only_if_they_fit_ = only_if_they_fit;
   }
 
   /// (B, T) for a kernel with `items` items. `shared` may be null. Automatic B gives one thread per item;
@@ -52,13 +53,14 @@ class LaunchPlanner {
   /// `threads` 0: selects the block size up to 128 with the most resident threads. Results are cached per
   /// kernel and block size.
   const KernelFit& kernel_fit(const void* kernel, int threads, const char* name, SharedBytes shared);
-  LaunchShape requested() const { return shape_of_stage(stages_.stage(), requested_, by_stage_); }
+  LaunchShape requested(const void* kernel, const char* name, SharedBytes shared);
   void note_shape(std::int64_t items, LaunchShape shape, const KernelFit& fit);
 
   const ComputeDevice& device_;
   StageRecorder& stages_;
   LaunchShape requested_;
   StageShapes by_stage_;
+  bool only_if_they_fit_ = false;
   std::map<std::pair<const void*, int>, KernelFit> fits_;
 };
 

@@ -54,7 +54,10 @@ Simulation::Simulation(const Scene& s, const RunOptions& asked, const RunState* 
               (require_memory_for_step(executor, {options.broad_phase, scene, initial, effects, substeps,
                                                   start, ids, first_capacity(options, initial)}),
                make()),
-              first_capacity(options, initial)) {}
+              first_capacity(options, initial)) {
+  tuned_ = choose_tuned(options.tuned_shapes, tuning_conditions());
+  apply_shapes();
+}
 
 // ---- pipeline ----
 
@@ -86,11 +89,32 @@ void Simulation::replace_pipeline() {
 }
 
 void Simulation::set_launch_shapes(LaunchShape shape, const StageShapes& by_stage) {
-  executor.set_shapes(shape, by_stage);
   options.shape = shape;
   options.stage_shapes = by_stage;
+  apply_shapes();
   knows_stages_ = false;
   runner_.discard_graphs();  // recorded steps contain the old shapes
+}
+
+void Simulation::apply_shapes() {
+  if (tuned_.used != nullptr && options.shape == LaunchShape{} && options.stage_shapes.empty())
+    executor.set_shapes(tuned_.used->shape, tuned_.used->stages, true);
+  else
+    executor.set_shapes(options.shape, options.stage_shapes);
+}
+
+TuningConditions Simulation::tuning_conditions() const {
+  const bool on_gpu = executor.on_device();
+  return {.device = executor.device_name(),
+          .driver = executor.driver(),
+          .build = build_name(on_gpu),
+          .cpu_threads = on_gpu ? 0 : executor.cpu_threads(),
+          .broad_phase = options.broad_phase,
+          .solver = std::string(name_of(solver_names, scene.physics.solver)),
+          .precision = std::string(name_of(precision_names, scene.physics.precision)),
+          .effects = names_of(effects),
+          .bodies = static_cast<std::int64_t>(initial.size()),
+          .scene = scene.name};
 }
 
 void Simulation::require_known_stages() {

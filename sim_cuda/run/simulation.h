@@ -40,6 +40,9 @@ class Simulation {
   void detect();
   void set_launch_shapes(LaunchShape shape, const StageShapes& by_stage);
   std::int64_t steps() const { return steps_; }
+  /// What the fastest launch shapes of this run depend on.
+  TuningConditions tuning_conditions() const;
+  const TunedChoice& tuned() const { return tuned_; }
   /// Throws InputError if RunOptions::stage_shapes names a stage that the steps so far do not have.
   void require_known_stages();
   double time() const;
@@ -79,7 +82,10 @@ class Simulation {
   std::optional<FirstViolation> advance();
   /// Restores the state before a cancelled step, if there was one.
   void recover();
+  /// Passes options.shape and options.stage_shapes to the executor; if they are automatic, tuned ones.
+  void apply_shapes();
 
+  TunedChoice tuned_;
   StepUndo undo_;
   std::int64_t steps_ = 0;
   struct KnownTime {

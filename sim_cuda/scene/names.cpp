@@ -73,6 +73,13 @@ std::string shown(std::string_view name) { return printable(name, limits::max_na
 
 }  // namespace
 
+std::vector<std::string> names_of(Effects effects) {
+  std::vector<std::string> names;
+  for (const EffectName& effect : effect_names)
+    if (effects.*(effect.flag)) names.emplace_back(effect.name);
+  return names;
+}
+
 std::string either_of(std::span<const std::string_view> names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {

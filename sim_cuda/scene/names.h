@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "sim_cuda/core/executor_options.h"
 #include "sim_cuda/scene/named.h"
@@ -50,6 +51,7 @@ struct EffectName {
   std::string_view needs;         ///< required effects and solvers
   std::string_view what;          ///< description
 };
+std::vector<std::string> names_of(Effects effects);
 inline constexpr auto effect_names = std::to_array<EffectName>({
     {"gravity", &Effects::gravity, "`gravity` is not 0", "", "v += h·g"},
     {"attractor", &Effects::attractor, "the scene has `attractors`", "not `impulse`",

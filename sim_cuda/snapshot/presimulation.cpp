@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <numeric>
 #include <optional>
 
+#include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/deadline.h"
 #include "sim_cuda/core/error.h"
@@ -75,18 +75,13 @@ std::uint64_t stepping_fingerprint(const Physics& physics) {
 
 /// Empty if the user has no cache folder.
 std::filesystem::path cache_file(const Scene& inner) {
-  const auto folder_of = [](const char* variable) {
-    const char* value = std::getenv(variable);
-    return std::filesystem::path(value != nullptr ? value : "");
-  };
-  std::filesystem::path folder = folder_of("XDG_CACHE_HOME");
-  if (!folder.is_absolute()) folder = folder_of("HOME").is_absolute() ? folder_of("HOME") / ".cache" : "";
+  const std::filesystem::path folder = cache_folder();
   if (folder.empty()) return folder;
   std::uint64_t key = hash_of(write_scene(inner), stepping_fingerprint(inner.physics));
   key = hash_of(fmt::format("{} {} {} {} {} {}", snapshot_version, physics_version, stride, lift,
                             longest_falls, slower_in_a_fall),
                 key);
-  return folder / "collidoscope" / "settled" / fmt::format("{:016x}.snapshot", key);
+  return folder / "settled" / fmt::format("{:016x}.snapshot", key);
 }
 
 std::optional<RunState> cached(const std::filesystem::path& file, const Scene& inner) {

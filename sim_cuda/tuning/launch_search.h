@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "sim_cuda/core/launch_shape.h"
-#include "sim_cuda/tuning/ratio_estimate.h"
+#include "sim_cuda/core/ratio_estimate.h"
 
 namespace collidoscope {
 

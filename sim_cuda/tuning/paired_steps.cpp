@@ -7,7 +7,9 @@
 namespace collidoscope {
 namespace {
 
-std::unique_ptr<World> marked_world(const Scene& scene, const RunOptions& options, const RunState& state) {
+/// Earlier results have no effect: `auto` is what tune compares with.
+std::unique_ptr<World> marked_world(const Scene& scene, RunOptions options, const RunState& state) {
+  options.tuned_shapes.clear();
   auto world = std::make_unique<World>(scene, options, &state);
   world->mark();
   return world;

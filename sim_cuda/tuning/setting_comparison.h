@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim_cuda/accuracy/point.h"
-#include "sim_cuda/tuning/ratio_estimate.h"
+#include "sim_cuda/core/ratio_estimate.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {

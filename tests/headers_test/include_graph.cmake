@@ -2,9 +2,9 @@
 # Layers: sim_cuda <- viewer/render, viewer/session <- viewer/view <- viewer, headless. ui may include only plain data.
 cmake_minimum_required(VERSION 3.25)
 
-set(plain_data "sim_cuda/core/(error|launch_shape|linear_algebra|stage_launch|stage_times)[.]h" "sim_cuda/scene/(effects|limits|names|run_options|scene|settings|settings_patch)[.]h"
+set(plain_data "sim_cuda/core/(error|launch_shape|linear_algebra|ratio_estimate|stage_launch|stage_times)[.]h" "sim_cuda/scene/(effects|limits|names|run_options|scene|settings|settings_patch)[.]h"
   "sim_cuda/broad_phase/tree_quality[.]h" "sim_cuda/solver/residual[.]h" "sim_cuda/guard/finding[.]h" "sim_cuda/measure/(body_report|step_stats)[.]h"
-  "sim_cuda/publish/(frame_layers|legend|publish)[.]h" "sim_cuda/run/(break_conditions|history|run_lanes)[.]h" "sim_cuda/accuracy/point[.]h" "sim_cuda/tuning/(launch_search|ratio_estimate)[.]h")
+  "sim_cuda/publish/(frame_layers|legend|publish)[.]h" "sim_cuda/run/(break_conditions|history|run_lanes)[.]h" "sim_cuda/accuracy/point[.]h" "sim_cuda/tuning/launch_search[.]h")
 set(windows "GLFW/|X11/")
 set(drawing "${windows}|GL/|epoxy/|EGL/|KHR/|imgui|stb_|png")
 

@@ -20,10 +20,10 @@ void fill_view(World& world, const StepStats& stats, const History& history, Wor
   const WorldInfo info = world.info();
   view.executor = info.on_gpu ? "CUDA" : "CPU";
   view.device = info.device_name;
+  view.tuned = info.tuned;
+  view.tuned_rejection = info.tuned_rejection;
   view.broad_phases = broad_phase_names();
-  view.effects.clear();
-  for (const EffectName& effect : effect_names)
-    if (world.effects().*(effect.flag)) view.effects.emplace_back(effect.name);
+  view.effects = names_of(world.effects());
   view.substeps = world.substeps();
   view.substeps_missed = world.substeps_missed();
   view.key_bits = info.key_bits;

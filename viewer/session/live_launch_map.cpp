@@ -13,6 +13,7 @@ void LiveLaunchMap::follow(int generation, LaunchMapRequests& requests) {
   tuner_.reset();
   view_ = {};
   requested_ = requests.running = restart;
+  taken_ = false;
 }
 
 void LiveLaunchMap::advance(World& world, double budget, double milliseconds) {
@@ -31,6 +32,11 @@ void LiveLaunchMap::advance(World& world, double budget, double milliseconds) {
     view_.unavailable_reason = error.what();
     tuner_.reset();
   }
+}
+
+const LaunchTuner* LiveLaunchMap::take_complete() {
+  if (!tuner_ || !tuner_->done() || std::exchange(taken_, true)) return nullptr;
+  return tuner_.get();
 }
 
 const LaunchMapView& LiveLaunchMap::view(const World& world) {

@@ -23,13 +23,15 @@ class LiveLaunchMap {
   /// Shows a map that was measured elsewhere, for pictures.
   void show(LaunchMapView view) { view_ = std::move(view); }
   const LaunchMapView& view(const World& world);
+  /// A complete map, the first time that it is asked for; else null.
+  const LaunchTuner* take_complete();
 
   /// See LaunchTuner::set_hash.
   void set_hash(std::function<std::uint64_t(World&)> hash) { hash_ = std::move(hash); }
 
  private:
   int generation_ = -1;
-  bool requested_ = false;
+  bool requested_ = false, taken_ = false;
   std::unique_ptr<LaunchTuner> tuner_;
   std::function<std::uint64_t(World&)> hash_;
   LaunchMapView view_;

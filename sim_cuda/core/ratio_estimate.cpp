@@ -1,4 +1,4 @@
-#include "sim_cuda/tuning/ratio_estimate.h"
+#include "sim_cuda/core/ratio_estimate.h"
 
 #include <fmt/format.h>
 
