@@ -203,7 +203,7 @@ int tune_command(const CommandLine& line) {
   const Start start = load_start(line);
   World world = start.world(options.run);
   world.step(static_cast<int>(options.steps_or(60)));
-  LaunchTuner tuner(world, options.tune.budget);
+  LaunchTuner tuner(world, options.tune.budget, static_cast<int>(options.tune.confirmation_pairs));
   {
     Progress progress("measurements", 1000);
     while (!tuner.done()) {

@@ -63,6 +63,15 @@ TEST(TuneCommand, WritesTheSameNumbersToAllFiles) {
   EXPECT_EQ(cache["cache"].size(), measured);
 }
 
+TEST(TuneCommand, ConfirmsWithAsManyPairsAsAsked) {
+  const Outcome run =
+      run_headless({"tune", "box_collider", "--bodies", "20", "--executor", "cpu", "--steps", "2", "--budget",
+                    "20", "--tuned", "off", "--confirmation-pairs", "73", "--json", "-"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(json::parse(run.out)["chosen"]["confirmation"]["pairs"], 73);
+  EXPECT_EQ(run_headless(tune({"--confirmation-pairs", "5"})).status, 2);
+}
+
 TEST(TuneCommand, RefusesFilesThatCannotBeWrittenBeforeItMeasures) {
   for (const char* flag : {"--json", "--picture", "--kernel-tuner", "--t4"}) {
     const Outcome run = run_headless(tune({flag, "/no/such/folder/file"}));

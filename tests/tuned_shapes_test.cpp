@@ -10,8 +10,10 @@
 #include <nlohmann/json.hpp>
 
 #include "headless/cli/tuned_option.h"
+#include "sim_cuda/accuracy/problem.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/scene_file.h"
+#include "sim_cuda/tuning/paired_steps.h"
 #include "sim_cuda/tuning/tuned_file.h"
 #include "sim_cuda/world.h"
 #include "tests/executors.h"
@@ -204,6 +206,20 @@ TEST_P(TunedRuns, HaveTheShapesAndTheSameState) {
   World small(fewer, tuned);
   EXPECT_EQ(small.info().tuned, "");
   EXPECT_EQ(small.info().tuned_rejection, "number of bodies was 400, is 100");
+}
+
+/// One of two compared runs might have a result, and the other not.
+TEST_P(TunedRuns, AreNotCompared) {
+  Scene scene = box_collider(100);
+  const TuningConditions conditions = World(scene, options()).tuning_conditions();
+  RunOptions tuned = options();
+  tuned.tuned_shapes = {tuned_result_of(conditions)};
+  World world(scene, tuned);
+  ASSERT_NE(world.info().tuned, "");
+  PairedSteps pair(world);
+  EXPECT_EQ(pair.reference().info().tuned, "");
+  EXPECT_EQ(pair.candidate().info().tuned, "");
+  EXPECT_TRUE(make_accuracy_problem(scene, tuned, 0.1, nullptr).options.tuned_shapes.empty());
 }
 
 /// Another version of a kernel may need more registers than the one that was measured.

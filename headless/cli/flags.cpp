@@ -262,6 +262,8 @@ std::vector<Flag> all_flags() {
         [](FlagValue& value, Options& options) {
           options.tune.budget = value.number(0.1, 1e5, "s").value_or(0);
         }},
+       {"--confirmation-pairs", "K", "fresh pairs of steps that confirm the chosen shape [41]",
+        whole<6, 100'000, tune, &TuneOptions::confirmation_pairs>},
        {"--over", "LIST",
         "compare values of these settings instead of launch shapes: " +
             fmt::format("{}", fmt::join(comparison_axes(), ", ")),

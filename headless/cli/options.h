@@ -63,6 +63,7 @@ struct StabilityOptions {
 /// What only `tune` takes.
 struct TuneOptions {
   double budget = 20;                     ///< s, of all measurements together
+  std::int64_t confirmation_pairs = 41;   ///< fresh pairs of the chosen shape
   std::vector<std::string> over;          ///< comparison_axes(); empty: launch shapes
   bool brute_force = false;               ///< compare the chosen shape with all others
   std::string picture, kernel_tuner, t4;  ///< files, or empty

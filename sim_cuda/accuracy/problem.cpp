@@ -40,6 +40,7 @@ AccuracyProblem make_accuracy_problem(const Scene& given, const RunOptions& opti
                           .substeps = world.substeps(),
                           .coarsest = coarsest_step(step)};
   const int steps = std::max(1, static_cast<int>(std::min(seconds / problem.coarsest * (1 + 1e-12), 1e9)));
+  problem.options.tuned_shapes.clear();  // they may exist for some of the compared settings only
   problem.samples = std::min(steps, most_samples);
   problem.stride = (steps + problem.samples - 1) / problem.samples;
   problem.samples = steps / problem.stride;

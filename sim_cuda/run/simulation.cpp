@@ -56,7 +56,7 @@ Simulation::Simulation(const Scene& s, const RunOptions& asked, const RunState* 
                make()),
               first_capacity(options, initial)) {
   tuned_ = choose_tuned(options.tuned_shapes, tuning_conditions());
-  apply_shapes();
+  apply_shapes(options.shape, options.stage_shapes);
 }
 
 // ---- pipeline ----
@@ -89,18 +89,18 @@ void Simulation::replace_pipeline() {
 }
 
 void Simulation::set_launch_shapes(LaunchShape shape, const StageShapes& by_stage) {
+  apply_shapes(shape, by_stage);
   options.shape = shape;
   options.stage_shapes = by_stage;
-  apply_shapes();
   knows_stages_ = false;
   runner_.discard_graphs();  // recorded steps contain the old shapes
 }
 
-void Simulation::apply_shapes() {
-  if (tuned_.used != nullptr && options.shape == LaunchShape{} && options.stage_shapes.empty())
+void Simulation::apply_shapes(LaunchShape shape, const StageShapes& by_stage) {
+  if (tuned_.used != nullptr && shape == LaunchShape{} && by_stage.empty())
     executor.set_shapes(tuned_.used->shape, tuned_.used->stages, true);
   else
-    executor.set_shapes(options.shape, options.stage_shapes);
+    executor.set_shapes(shape, by_stage);
 }
 
 TuningConditions Simulation::tuning_conditions() const {

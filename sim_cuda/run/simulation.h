@@ -82,8 +82,8 @@ class Simulation {
   std::optional<FirstViolation> advance();
   /// Restores the state before a cancelled step, if there was one.
   void recover();
-  /// Passes options.shape and options.stage_shapes to the executor; if they are automatic, tuned ones.
-  void apply_shapes();
+  /// Passes shapes to the executor; if they are automatic, tuned ones. Throws as Executor::set_shapes().
+  void apply_shapes(LaunchShape shape, const StageShapes& by_stage);
 
   TunedChoice tuned_;
   StepUndo undo_;

@@ -21,8 +21,8 @@ constexpr std::size_t finalists = 4;
 }  // namespace
 
 LaunchSearch::LaunchSearch(const std::vector<int>& blocks, const std::vector<int>& threads, int thread_unit,
-                           std::int64_t middle)
-    : thread_unit_(thread_unit), middle_(middle), blocks_(blocks) {
+                           std::int64_t middle, int confirmation_pairs)
+    : thread_unit_(thread_unit), confirmation_pairs_(confirmation_pairs), middle_(middle), blocks_(blocks) {
   for (const int b : blocks)
     for (const int t : threads) cells_.push_back({.shape = {b, t}, .reason = {}, .ratios = {}, .ms = {}});
   grid_size_ = cells_.size();
@@ -136,7 +136,7 @@ void LaunchSearch::hurry() {
   tasks_.clear();
   chosen_ = chosen();
   phase_ = chosen_ ? Phase::confirming : Phase::ended;
-  if (chosen_) tasks_.push_back({*chosen_, fresh_pairs});
+  if (chosen_) tasks_.push_back({*chosen_, confirmation_pairs_});
 }
 
 /// Adds the shapes between the powers of two around a cell.

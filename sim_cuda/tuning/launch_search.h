@@ -36,10 +36,12 @@ struct LaunchCell {
 
 class LaunchSearch {
  public:
+  static constexpr int first_pairs = 2, most_pairs = 32, fresh_pairs = 41;
+
   /// Values of B and T, each ascending. `thread_unit`: T is a multiple of it. `middle`: number B * T with
-  /// which the search begins.
+  /// which the search begins. `confirmation_pairs`: fresh pairs of the chosen cell.
   LaunchSearch(const std::vector<int>& blocks, const std::vector<int>& threads, int thread_unit,
-               std::int64_t middle);
+               std::int64_t middle, int confirmation_pairs = fresh_pairs);
 
   struct Task {
     std::size_t cell;
@@ -64,8 +66,6 @@ class LaunchSearch {
   RatioEstimate confirmation() const { return estimate_ratio(fresh_); }
   bool confirming() const { return phase_ == Phase::confirming; }
 
-  static constexpr int first_pairs = 2, most_pairs = 32, fresh_pairs = 41;
-
  private:
   enum class Phase { screening, halving, refining, confirming, ended };
   void queue(const std::vector<std::size_t>& cells, int pairs);
@@ -78,7 +78,7 @@ class LaunchSearch {
 
   std::vector<LaunchCell> cells_;
   std::size_t grid_size_ = 0;
-  int thread_unit_;
+  int thread_unit_, confirmation_pairs_;
   std::int64_t middle_;
   std::vector<int> blocks_;
   Phase phase_ = Phase::screening;

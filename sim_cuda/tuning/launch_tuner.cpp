@@ -47,14 +47,18 @@ LaunchAxes launch_axes(int multiprocessors, std::int64_t bodies) {
   return axes;
 }
 
-LaunchTuner::LaunchTuner(World& world, double budget)
-    : shape_(world.launch_shape()), budget_(budget), pair_(world), search_([&] {
+LaunchTuner::LaunchTuner(World& world, double budget, int confirmation_pairs)
+    : shape_(world.launch_shape()),
+      budget_(budget),
+      confirmation_pairs_(confirmation_pairs),
+      pair_(world),
+      search_([&] {
         pair_.reference().step();  // records the launches
         int multiprocessors = 0;
         for (const StageTime& stage : pair_.reference().latest_times().stages)
           multiprocessors = std::max(multiprocessors, stage.launch.multiprocessors);
         const LaunchAxes axes = launch_axes(multiprocessors, std::ssize(world.initial().radius));
-        return LaunchSearch(axes.blocks, axes.threads, axes.thread_unit, axes.middle);
+        return LaunchSearch(axes.blocks, axes.threads, axes.thread_unit, axes.middle, confirmation_pairs);
       }()) {}
 
 void LaunchTuner::advance(double milliseconds) {
@@ -128,7 +132,7 @@ void LaunchTuner::measure_stage_shapes() {
   stage_ratios_.clear();
   for (StageSamples& stage : stages_) stage.fresh.clear();
   PairedSteps::Durations times =
-      pair_.measure(LaunchSearch::fresh_pairs, ends_, [&](double ms, double reference_ms) {
+      pair_.measure(confirmation_pairs_, ends_, [&](double ms, double reference_ms) {
         stage_ratios_.push_back(ms / reference_ms);
         note_stages(std::nullopt);
       });

@@ -29,8 +29,9 @@ LaunchAxes launch_axes(int multiprocessors, std::int64_t bodies);
 
 class LaunchTuner {
  public:
-  /// Copies the present state. `budget`: s, of all measurements together. Throws as World does.
-  LaunchTuner(World& world, double budget);
+  /// Copies the present state. `budget`: s, of all measurements together. `confirmation_pairs`: fresh pairs
+  /// of the chosen shape, and of the best shapes of stages, while the budget lasts. Throws as World does.
+  LaunchTuner(World& world, double budget, int confirmation_pairs = LaunchSearch::fresh_pairs);
 
   /// Measures for about `milliseconds`, and at least one cell. Throws Cancelled; it can go on afterwards.
   void advance(double milliseconds);
@@ -89,6 +90,7 @@ class LaunchTuner {
 
   LaunchShape shape_;
   double budget_, spent_ = 0;
+  int confirmation_pairs_;
   PairedSteps pair_;
   LaunchSearch search_;
   std::optional<LaunchSearch::Task> task_;  ///< in progress; kept if it is cancelled

@@ -35,6 +35,7 @@ void EffectCosts::capture_state(World& world) {
   begun_ = true;
   scene_ = world.scene();
   options_ = world.options();
+  options_.tuned_shapes.clear();  // they may exist for one of two compared runs only
   state_ = world.state();
   now_ = world.effects();
   for (std::size_t k = 0; k < reasons_.size(); ++k) {
