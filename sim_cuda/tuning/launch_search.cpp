@@ -21,8 +21,12 @@ constexpr std::size_t finalists = 4;
 }  // namespace
 
 LaunchSearch::LaunchSearch(const std::vector<int>& blocks, const std::vector<int>& threads, int thread_unit,
-                           std::int64_t middle, int confirmation_pairs)
-    : thread_unit_(thread_unit), confirmation_pairs_(confirmation_pairs), middle_(middle), blocks_(blocks) {
+                           std::int64_t middle, int confirmation_pairs, int pairs_at_once)
+    : thread_unit_(thread_unit),
+      confirmation_pairs_(confirmation_pairs),
+      pairs_at_once_(pairs_at_once),
+      middle_(middle),
+      blocks_(blocks) {
   for (const int b : blocks)
     for (const int t : threads) cells_.push_back({.shape = {b, t}, .reason = {}, .ratios = {}, .ms = {}});
   grid_size_ = cells_.size();
@@ -37,7 +41,8 @@ double LaunchSearch::from_middle(LaunchShape shape) const {
 }
 
 void LaunchSearch::queue(const std::vector<std::size_t>& cells, int pairs) {
-  for (const std::size_t cell : cells) tasks_.push_back({cell, pairs});
+  for (int done = 0; done < pairs; done += pairs_at_once_)
+    for (const std::size_t cell : cells) tasks_.push_back({cell, std::min(pairs - done, pairs_at_once_)});
 }
 
 std::vector<std::size_t> LaunchSearch::fastest_first() const {

@@ -39,9 +39,11 @@ class LaunchSearch {
   static constexpr int first_pairs = 2, most_pairs = 32, fresh_pairs = 41;
 
   /// Values of B and T, each ascending. `thread_unit`: T is a multiple of it. `middle`: number B * T with
-  /// which the search begins. `confirmation_pairs`: fresh pairs of the chosen cell.
+  /// which the search begins. `confirmation_pairs`: fresh pairs of the chosen cell. `pairs_at_once`: the
+  /// cells of a comparison take turns after so many pairs, so that a disturbance does not meet one cell
+  /// alone.
   LaunchSearch(const std::vector<int>& blocks, const std::vector<int>& threads, int thread_unit,
-               std::int64_t middle, int confirmation_pairs = fresh_pairs);
+               std::int64_t middle, int confirmation_pairs = fresh_pairs, int pairs_at_once = most_pairs);
 
   struct Task {
     std::size_t cell;
@@ -78,7 +80,7 @@ class LaunchSearch {
 
   std::vector<LaunchCell> cells_;
   std::size_t grid_size_ = 0;
-  int thread_unit_, confirmation_pairs_;
+  int thread_unit_, confirmation_pairs_, pairs_at_once_;
   std::int64_t middle_;
   std::vector<int> blocks_;
   Phase phase_ = Phase::screening;

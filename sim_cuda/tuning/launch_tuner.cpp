@@ -37,7 +37,7 @@ bool has_enough_pairs(const LaunchCell& cell) {
 
 LaunchAxes launch_axes(int multiprocessors, std::int64_t bodies) {
   if (multiprocessors == 0)
-    return {powers_of_two(1, std::clamp<std::int64_t>(bodies / 8, 1, 1024)), {1, 4, 16, 64}, 1, 64};
+    return {powers_of_two(1, std::clamp<std::int64_t>(bodies / 8, 1, 1024)), {1, 4, 16, 64}, 1, 64, 4};
   LaunchAxes axes{{}, powers_of_two(32, 1024), 32, std::int64_t{512} * multiprocessors};
   for (int blocks = multiprocessors; blocks >= 8; blocks /= 2)
     axes.blocks.insert(axes.blocks.begin(), blocks);
@@ -58,7 +58,8 @@ LaunchTuner::LaunchTuner(World& world, double budget, int confirmation_pairs)
         for (const StageTime& stage : pair_.reference().latest_times().stages)
           multiprocessors = std::max(multiprocessors, stage.launch.multiprocessors);
         const LaunchAxes axes = launch_axes(multiprocessors, std::ssize(world.initial().radius));
-        return LaunchSearch(axes.blocks, axes.threads, axes.thread_unit, axes.middle, confirmation_pairs);
+        return LaunchSearch(axes.blocks, axes.threads, axes.thread_unit, axes.middle, confirmation_pairs,
+                            axes.pairs_at_once);
       }()) {}
 
 void LaunchTuner::advance(double milliseconds) {

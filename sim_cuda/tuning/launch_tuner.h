@@ -23,6 +23,8 @@ struct LaunchAxes {
   std::vector<int> blocks, threads;
   int thread_unit;
   std::int64_t middle;  ///< B * T
+  /// On a CPU, other load comes and goes.
+  int pairs_at_once = LaunchSearch::most_pairs;
 };
 /// `multiprocessors`: 0 for a CPU.
 LaunchAxes launch_axes(int multiprocessors, std::int64_t bodies);
