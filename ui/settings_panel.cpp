@@ -155,7 +155,7 @@ void draw_shape(Workspace& workspace, const WorkspaceView& view) {
     explain((view.tuned + ". --tuned off: plain auto").c_str());
   } else if (shape == LaunchShape{} && !view.tuned_rejection.empty()) {
     faint_text("auto uses no result of the Launch map");
-    explain(("The nearest one does not fit: the " + view.tuned_rejection).c_str());
+    explain(("Reason: " + view.tuned_rejection).c_str());
   }
   for (const std::string& line : lines) {
     faint_text(line);

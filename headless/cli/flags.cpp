@@ -194,9 +194,8 @@ std::vector<Flag> all_flags() {
         stage_shapes}});
   add("Execution", running | capturing | viewing | tuning,
       {{"--tuned", "FILE|off",
-        "launch shapes that tune measured; auto uses them on the same device, driver, build and size, and "
-        "tune "
-        "adds its own [those of assets/tuned.json and of the user's cache]",
+        "launch shapes that tune measured; auto uses them on the same device, driver, build and size, "
+        "and tune adds its own [those of assets/tuned.json and of the user's cache]",
         file<&Options::tuned>}});
   add("Output", reporting,
       {{"--json", "FILE|-", "the report as JSON; -: on stdout, without other text", file<&Options::json>}});

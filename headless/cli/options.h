@@ -14,6 +14,7 @@
 #include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/scene/settings_patch.h"
+#include "sim_cuda/tuning/launch_search.h"
 
 namespace collidoscope {
 
@@ -62,11 +63,11 @@ struct StabilityOptions {
 
 /// What only `tune` takes.
 struct TuneOptions {
-  double budget = 20;                     ///< s, of all measurements together
-  std::int64_t confirmation_pairs = 41;   ///< fresh pairs of the chosen shape
-  std::vector<std::string> over;          ///< comparison_axes(); empty: launch shapes
-  bool brute_force = false;               ///< compare the chosen shape with all others
-  std::string picture, kernel_tuner, t4;  ///< files, or empty
+  double budget = 20;                                           ///< s, of all measurements together
+  std::int64_t confirmation_pairs = LaunchSearch::fresh_pairs;  ///< fresh pairs of the chosen shape
+  std::vector<std::string> over;                                ///< comparison_axes(); empty: launch shapes
+  bool brute_force = false;                                     ///< compare the chosen shape with all others
+  std::string picture, kernel_tuner, t4;                        ///< files, or empty
 };
 
 struct Options {

@@ -23,7 +23,7 @@ class LiveLaunchMap {
   /// Shows a map that was measured elsewhere, for pictures.
   void show(LaunchMapView view) { view_ = std::move(view); }
   const LaunchMapView& view(const World& world);
-  /// A complete map, the first time that it is asked for; else null.
+  /// Returns the tuner of a complete map once. Later calls, and calls before that, return null.
   const LaunchTuner* take_complete();
 
   /// See LaunchTuner::set_hash.
