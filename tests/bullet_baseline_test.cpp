@@ -14,7 +14,7 @@
 namespace collidoscope {
 namespace {
 
-World on_cpu(const Scene& scene) {
+World cpu_world(const Scene& scene) {
   RunOptions options;
   options.executor = ExecutorKind::cpu;
   return World(scene, options);
@@ -30,7 +30,7 @@ TEST(BulletBaseline, FallsRestsAndSlides) {
   scene.obstacles.push_back({});
   scene.bodies = {sphere(1, Vector3d(0, 0, 100), Vector3d(1, 0, 0)), sphere(1, Vector3d(10, 0, 1)),
                   sphere(1, Vector3d(20, 0, 1), Vector3d(7, 0, 0))};
-  World world = on_cpu(scene);
+  World world = cpu_world(scene);
   BulletBaseline bullet(world, world.bodies(), {.substeps = 4, .iterations = 10});
   for (int k = 0; k < 60; ++k) bullet.step();  // 2 s
   const BodyStates states = bullet.bodies();
@@ -51,7 +51,7 @@ TEST(BulletBaseline, IsHeldByTheBoxAndKeepsTheLawOfRestitution) {
   scene.box = Box{{-10, -10, -10}, {10, 10, 10}};
   scene.materials[0].restitution = 0.25;
   scene.bodies = {sphere(1, Vector3d(0, 0, 0), Vector3d(8, 0, 0))};
-  World world = on_cpu(scene);
+  World world = cpu_world(scene);
   BulletBaseline bullet(world, world.bodies(), {.substeps = 2, .iterations = 10});
   for (int k = 0; k < 60; ++k) bullet.step();
   EXPECT_NEAR(bullet.bodies().velocity[0].x(), -2, 1e-3);

@@ -12,7 +12,7 @@
 namespace collidoscope {
 namespace {
 
-class Quality : public OnEachExecutor {
+class QualityOfTrees : public OnEachExecutor {
  protected:
   World world_of(const Scene& scene, const std::string& method = "bvh_bottom_up") {
     RunOptions o = options();
@@ -20,12 +20,12 @@ class Quality : public OnEachExecutor {
     return World(scene, o);
   }
 };
-ON_EACH_EXECUTOR(Quality);
+ON_EACH_EXECUTOR(QualityOfTrees);
 
 double area(double x, double y, double z) { return 2 * (x * y + y * z + z * x); }
 
 // Two spheres of 1 m, 3 m apart: boxes of 2 x 2 x 2 in one of 5 x 2 x 2.
-TEST_P(Quality, OfTwoBodiesByHand) {
+TEST_P(QualityOfTrees, OfTwoBodiesByHand) {
   Scene scene = empty_space();
   scene.bodies = {sphere(1, {0, 0, 0}), sphere(1, {3, 0, 0})};
   World world = world_of(scene);
@@ -46,7 +46,7 @@ TEST_P(Quality, OfTwoBodiesByHand) {
 }
 
 // Two spheres of 1 m, 1 m apart: half of each box lies inside the other.
-TEST_P(Quality, OfAnOverlapByHand) {
+TEST_P(QualityOfTrees, OfAnOverlapByHand) {
   Scene scene = empty_space();
   scene.bodies = {sphere(1, {0, 0, 0}), sphere(1, {1, 0, 0})};
   World world = world_of(scene);
@@ -61,7 +61,7 @@ TEST_P(Quality, OfAnOverlapByHand) {
   EXPECT_NEAR(q.tests_per_pair, 3, 1e-12);
 }
 
-TEST_P(Quality, VisitsAreThoseOfABruteForceWalk) {
+TEST_P(QualityOfTrees, VisitsAreThoseOfABruteForceWalk) {
   for (const std::string& method : broad_phase_names(GetParam())) {
     World world = world_of(box_collider(500), method);
     if (world.tree().nodes() == 0) continue;
@@ -138,7 +138,7 @@ struct OwnTraversals {
   }
 };
 
-TEST_P(Quality, OwnVisitsAreThoseOfTheMethodsTraversal) {
+TEST_P(QualityOfTrees, OwnVisitsAreThoseOfTheMethodsTraversal) {
   const auto own = [&](const std::string& method, World& world) {
     const OwnVisits& visits = world.tree().quality().own;
     EXPECT_TRUE(visits.by_query) << method;
@@ -174,7 +174,7 @@ TEST_P(Quality, OwnVisitsAreThoseOfTheMethodsTraversal) {
               1e-9);
 }
 
-TEST_P(Quality, WholeQueriesReadAllThatOverlapsAndFindTheSamePairs) {
+TEST_P(QualityOfTrees, WholeQueriesReadAllThatOverlapsAndFindTheSamePairs) {
   for (const char* method : {"bvh_bottom_up", "bvh_recursive", "lbvh_top_down"}) {
     RunOptions o = options();
     o.broad_phase = method;
@@ -193,7 +193,7 @@ TEST_P(Quality, WholeQueriesReadAllThatOverlapsAndFindTheSamePairs) {
 
 // A BSP plane has no box, and Bullet's tree is deeper than the drawn one. Both are counted during the
 // traversal.
-TEST_P(Quality, OwnVisitsOfPlanesAndOfADeepTree) {
+TEST_P(QualityOfTrees, OwnVisitsOfPlanesAndOfADeepTree) {
   Scene apart = empty_space();  // on a line: each plane separates them without overlap
   for (int i = 0; i < 64; ++i) apart.bodies.push_back(sphere(0.25, Vector3d(i, 0, 0)));
   for (const char* method : {"bsp", "kd_tree"}) {
@@ -215,7 +215,7 @@ TEST_P(Quality, OwnVisitsOfPlanesAndOfADeepTree) {
   EXPECT_EQ(world.tree().own_visits(), world.tree().quality().own.mean);
 }
 
-TEST_P(Quality, RanksNodesWorstFirst) {
+TEST_P(QualityOfTrees, RanksNodesWorstFirst) {
   World world = world_of(box_collider(300));
   for (const NodeMetric metric :
        {NodeMetric::sah_share, NodeMetric::sibling_overlap, NodeMetric::empty_space}) {
@@ -235,7 +235,7 @@ TEST_P(Quality, RanksNodesWorstFirst) {
   }
 }
 
-TEST_P(Quality, OfNothingIsZero) {
+TEST_P(QualityOfTrees, OfNothingIsZero) {
   World world = world_of(empty_space());
   EXPECT_EQ(world.tree().quality().nodes, 0);
   EXPECT_TRUE(world.tree().ranked(NodeMetric::visits, 0, 10).empty());
@@ -243,7 +243,7 @@ TEST_P(Quality, OfNothingIsZero) {
   EXPECT_EQ(flat.tree().quality().nodes, 0);
 }
 
-TEST_P(Quality, TimesEveryRepeat) {
+TEST_P(QualityOfTrees, TimesEveryRepeat) {
   World world = world_of(box_collider(200), "lbvh_ropes");
   const std::uint64_t hash = world.state_hash();
   const BroadPhaseTimes times = world.tree().time_broad_phase(7);
