@@ -10,15 +10,19 @@
 #include <optional>
 #include <set>
 
+#include "headless/cli/interrupt_handler.h"
 #include "headless/cli/output_file.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
 #include "headless/cli/tuned_option.h"
 #include "headless/pictures/chart_picture.h"
+#include "headless/reporting/percentiles_json.h"
 #include "headless/tuning/launch_map.h"
 #include "headless/tuning/setting_table.h"
 #include "headless/tuning/tuned_run.h"
 #include "headless/tuning/tuner_files.h"
+#include "headless/tuning/tuner_progress.h"
+#include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/tuning/brute_force.h"
 #include "sim_cuda/tuning/launch_tuner.h"
@@ -38,7 +42,8 @@ std::string text_of(const BruteForce& all, LaunchShape chosen) {
 
 TuneJson report_of(const World& world, const TunedRun& run, const LaunchTuner& tuner) {
   const LaunchSearch& search = tuner.search();
-  TuneJson report{{"scene", run.scene},
+  TuneJson report{{"complete", true},
+                  {"scene", run.scene},
                   {"bodies", run.bodies},
                   {"state", run.state},
                   {"device", run.device},
@@ -184,6 +189,27 @@ std::string text_of(const TunedRun& run, const LaunchTuner& tuner) {
                             verdict(tuner.stage_confirmation(), reference), stage_shapes_text(best));
 }
 
+/// All measurements. Throws Cancelled.
+std::optional<BruteForce> measure(const Options& options, World& world, LaunchTuner& tuner) {
+  {
+    Progress progress("measurements", 1000);
+    while (!tuner.done()) {
+      tuner.advance(100);
+      progress.update(std::min<std::int64_t>(std::llround(1000 * tuner.spent() / options.tune.budget), 1000));
+    }
+  }
+  if (!options.tune.brute_force || !tuner.search().chosen()) return std::nullopt;
+  Progress progress("all shapes", 1000);
+  return brute_force(world, tuner.search(),
+                     [&](double share) { progress.update(std::llround(1000 * share)); });
+}
+
+std::string stopped_note(const Options& options) {
+  if (options.json.empty() || options.json == "-")
+    return "stopped; measurements not saved; with --json FILE, the same command can continue\n";
+  return fmt::format("stopped; run the same command again to continue from {}\n", options.json);
+}
+
 }  // namespace
 
 int tune_command(const CommandLine& line) {
@@ -203,21 +229,23 @@ int tune_command(const CommandLine& line) {
   const Start start = load_start(line);
   World world = start.world(options.run);
   world.step(static_cast<int>(options.steps_or(60)));
-  LaunchTuner tuner(world, options.tune.budget, static_cast<int>(options.tune.confirmation_pairs));
-  {
-    Progress progress("measurements", 1000);
-    while (!tuner.done()) {
-      tuner.advance(100);
-      progress.update(std::min<std::int64_t>(std::llround(1000 * tuner.spent() / options.tune.budget), 1000));
+  const int confirmation_pairs = static_cast<int>(options.tune.confirmation_pairs);
+  const TuneJson identity = search_identity(world, confirmation_pairs);
+  LaunchTuner tuner(world, options.tune.budget, confirmation_pairs);
+  resume_search(options.json, identity, tuner);
+  std::optional<BruteForce> all;
+  try {
+    all = measure(options, world, tuner);
+  } catch (const Cancelled&) {
+    InterruptHandler::wait_for_work();
+    if (json) {
+      json->write(progress_json(identity, tuner.record()).dump() + '\n');
+      json->commit();
     }
+    std::fputs(stopped_note(options).c_str(), stderr);
+    throw;
   }
   const TunedRun run = tuned_run(world, tuner);
-  std::optional<BruteForce> all;
-  if (options.tune.brute_force && tuner.search().chosen()) {
-    Progress progress("all shapes", 1000);
-    all = brute_force(world, tuner.search(),
-                      [&](double share) { progress.update(std::llround(1000 * share)); });
-  }
   TuneJson json_report = report_of(world, run, tuner);
   if (all)
     json_report["brute_force"] = {

@@ -52,11 +52,12 @@ TEST_P(CostsOfEffects, AreMeasuredWithoutTouchingTheRun) {
       EXPECT_EQ(effect.cost.has_value(), effect.on) << effect.name;
       if (!effect.cost) continue;
       EXPECT_EQ(effect.cost->unavailable_reason, "");
-      EXPECT_EQ(effect.cost->pairs, EffectCosts::pairs);
+      EXPECT_EQ(effect.cost->ratio.pairs, EffectCosts::pairs);
       EXPECT_EQ(effect.cost->step, start);
       EXPECT_GT(effect.cost->without_ms, 0);
-      EXPECT_LE(effect.cost->ms_low, effect.cost->ms);
-      EXPECT_LE(effect.cost->ms, effect.cost->ms_high);
+      EXPECT_LE(effect.cost->ms_low(), effect.cost->ms());
+      EXPECT_LE(effect.cost->ms(), effect.cost->ms_high());
+      EXPECT_TRUE(std::isfinite(effect.cost->ms_high()));
     }
     EXPECT_EQ(of(all, &Effects::gravity).cost->bytes, 0);
     // Friction stores impulses. Switching rotation off also switches friction off, and rotation stores q and

@@ -43,7 +43,7 @@ inline TunedRun invented_run(const LaunchSearch& search) {
                .reference_ms = 2.36,
                .reference_place = StageShape{"solve", {528, 256}},
                .cell_times = {}};
-  LaunchTuner::CellTimes times;
+  CellTimes times;
   times.search = 0.25;
   times.setup = 5;
   times.benchmark = 40;

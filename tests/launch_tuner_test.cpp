@@ -203,6 +203,48 @@ TEST_P(LaunchTuners, GoOnAfterCancellation) {
   }
 }
 
+/// A search that goes on from the record of another process knows all that the first one knew.
+TEST_P(LaunchTuners, GoOnFromARecord) {
+  Scene scene = box_collider(20);
+  scene.physics.solver = Solver::soft_step;
+  World world(scene, options());
+  world.step(5);
+  LaunchTuner first(world, 600);
+  for (int measurements = 0; measurements < 40; ++measurements) first.advance(0);
+  const TunerRecord record = first.record();
+  ASSERT_EQ(record.tasks.size(), 40u);
+
+  LaunchTuner second(world, 600);
+  ASSERT_TRUE(second.restore(record));
+  EXPECT_EQ(second.spent(), first.spent());
+  EXPECT_EQ(second.reference_ms(), first.reference_ms());
+  ASSERT_EQ(second.search().cells().size(), first.search().cells().size());
+  for (std::size_t k = 0; k < first.search().cells().size(); ++k) {
+    EXPECT_EQ(second.search().cells()[k].state, first.search().cells()[k].state);
+    EXPECT_EQ(second.search().cells()[k].ratios, first.search().cells()[k].ratios);
+  }
+  const std::vector<LaunchTuner::Stage> stages = first.stages(), restored = second.stages();
+  ASSERT_EQ(restored.size(), stages.size());
+  for (std::size_t k = 0; k < stages.size(); ++k) {
+    EXPECT_EQ(restored[k].name, stages[k].name);
+    EXPECT_EQ(restored[k].obeys, stages[k].obeys);
+    EXPECT_EQ(restored[k].reference_ms, stages[k].reference_ms);
+    EXPECT_THAT(restored[k].cell_ms, testing::Pointwise(testing::NanSensitiveDoubleEq(), stages[k].cell_ms));
+  }
+  EXPECT_EQ(second.cell_times().size(), first.cell_times().size());
+  while (!second.done()) second.advance(50);
+  EXPECT_TRUE(second.search().chosen());
+  EXPECT_GE(second.search().confirmation().pairs, LaunchSearch::fresh_pairs);
+
+  // A record of another search changes nothing.
+  TunerRecord other = record;
+  std::swap(other.tasks[3].cell, other.tasks[4].cell);
+  LaunchTuner third(world, 600);
+  EXPECT_FALSE(third.restore(other));
+  EXPECT_EQ(third.spent(), 0);
+  for (const LaunchCell& cell : third.search().cells()) EXPECT_EQ(cell.state, LaunchCell::State::waiting);
+}
+
 TEST_P(LaunchTuners, MeasureTheBestShapeOfEachStage) {
   World world(tuned_scene(), options());
   LaunchTuner tuner(world, 4);

@@ -148,17 +148,15 @@ std::vector<Residual> residuals_of_a_pile() {
   return residuals;
 }
 
-/// An effect whose cost has an interquartile range from `low` to `high`, ms.
+/// An effect whose cost is between `low` and `high` ms at a confidence of 95 %.
 EffectView costly(double low, double high) {
   EffectView effect;
   effect.name = "rotation";
   effect.flag = &Effects::rotation;
   effect.on = effect.required = true;
   effect.cost.emplace();
-  effect.cost->pairs = 20;
-  effect.cost->ms = 0.604;
-  effect.cost->ms_low = low;
-  effect.cost->ms_high = high;
+  effect.cost->without_ms = 10;
+  effect.cost->ratio = {1.0604, 1 + low / 10, 1 + high / 10, 20};
   return effect;
 }
 
@@ -181,9 +179,9 @@ TEST(PanelPicture, ACostThatIsNotKnownFromZeroIsGrey) {
     return most;
   };
   EXPECT_GT(brightest(real), brightest(noise) + 30);
-  EXPECT_FALSE(costly(-1.8, 3.0).cost->differs_from_zero()) << "+0.604 ± 2.366 ms";
-  EXPECT_TRUE(costly(0.5, 0.7).cost->differs_from_zero());
-  EXPECT_TRUE(costly(-0.7, -0.5).cost->differs_from_zero());
+  EXPECT_FALSE(costly(-1.8, 3.0).cost->ratio.differs()) << "+0.604 ± 2.4 ms";
+  EXPECT_TRUE(costly(0.5, 0.7).cost->ratio.differs());
+  EXPECT_TRUE(costly(-0.7, -0.5).cost->ratio.differs());
 }
 
 Image picture_of_convergence(Theme theme, ImVec2 pointer) {

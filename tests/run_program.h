@@ -9,12 +9,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "sim_cuda/core/assets.h"
@@ -40,6 +43,7 @@ struct Launch {
   bool break_pipe = false;           ///< stdout is a pipe without a reader
   bool obey_permissions = false;     ///< also for root: files without permissions cannot be opened
   std::int64_t max_file_bytes = -1;  ///< larger writes fail; -1: no limit
+  int interrupt_after_ms = 0;        ///< send SIGINT after this time; 0: never
   /// Leak check of the address sanitizer. Must be off for windows: the software renderer leaks a few bytes at
   /// exit, which would change the exit status.
   bool check_leaks = true;
@@ -92,6 +96,10 @@ inline Outcome run_program(const std::filesystem::path& program, const std::vect
   const std::string err = folder / "err";
   const pid_t child = fork();
   if (child == 0) become_program(program, arguments, launch, out, err);
+  if (child > 0 && launch.interrupt_after_ms > 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(launch.interrupt_after_ms));
+    kill(child, SIGINT);
+  }
   int status = 0;
   if (child < 0 || waitpid(child, &status, 0) != child) return {};
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),

@@ -6,7 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <csignal>
+#include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "headless/tuning/launch_map.h"
@@ -70,6 +73,54 @@ TEST(TuneCommand, ConfirmsWithAsManyPairsAsAsked) {
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_EQ(json::parse(run.out)["chosen"]["confirmation"]["pairs"], 73);
   EXPECT_EQ(run_headless(tune({"--confirmation-pairs", "5"})).status, 2);
+}
+
+/// Ctrl-C keeps the measurements in the --json file, and the same command goes on from there.
+TEST(TuneCommand, GoesOnAfterCtrlC) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "r.json";
+  // So many pairs take longer than the budget.
+  const std::vector<std::string> arguments{
+      "tune",    "box_collider", "--bodies", "500", "--executor",           "cpu",  "--budget", "4",
+      "--tuned", "off",          "--json",   file,  "--confirmation-pairs", "10000"};
+  json kept;
+  for (int wait = 1000; kept["tasks"].empty() && wait < 60000;
+       wait *= 2) {  // ms; a busy machine starts slowly
+    const Outcome stopped = run_headless(arguments, Launch{.interrupt_after_ms = wait});
+    ASSERT_EQ(stopped.status, 128 + SIGINT) << stopped.err;
+    if (!std::filesystem::exists(file)) continue;
+    EXPECT_THAT(stopped.err, HasSubstr("run the same command again to continue from "));
+    kept = json::parse(text_of(file));
+    EXPECT_EQ(kept["complete"], false);
+  }
+  ASSERT_GT(kept["tasks"].size(), 0u);
+
+  const Outcome other = run_headless(tune({"--json", file}));
+  ASSERT_EQ(other.status, 0) << other.err;
+  EXPECT_THAT(other.err, HasSubstr("another search"));
+
+  std::ofstream(file) << kept.dump();
+  const Outcome run = run_headless(arguments);
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("already has "));
+  const json whole = json::parse(text_of(file));
+  EXPECT_EQ(whole["complete"], true);
+  EXPECT_GE(whole["seconds"].get<double>(), kept["seconds"].get<double>());
+  std::map<std::size_t, std::size_t> pairs;  // by cell; the last tasks may be those of the confirmation
+  for (const json& task : kept["tasks"])
+    if (task["hurried"] == false) pairs[task["cell"].get<std::size_t>()] += task["pairs"].size();
+  for (const auto& [cell, count] : pairs)
+    EXPECT_GE(whole["cells"][cell]["ratio"]["pairs"].get<std::size_t>(), count) << cell;
+
+  // Damaged progress is ignored, and the search starts again.
+  json damaged = kept;
+  damaged["tasks"][0]["pairs"][0]["ms"] = -1;
+  for (const std::string& text : {damaged.dump(), kept.dump().substr(0, 300), std::string("{}")}) {
+    std::ofstream(file) << text;
+    const Outcome again = run_headless(tune({"--json", file}));
+    EXPECT_EQ(again.status, 0) << again.err;
+    EXPECT_EQ(json::parse(text_of(file))["complete"], true);
+  }
 }
 
 TEST(TuneCommand, RefusesFilesThatCannotBeWrittenBeforeItMeasures) {

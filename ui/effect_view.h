@@ -7,21 +7,23 @@
 #include <string>
 #include <vector>
 
+#include "sim_cuda/core/ratio_estimate.h"
 #include "sim_cuda/scene/effects.h"
 
 namespace collidoscope {
 
-/// Step time with an effect minus step time without it, from the same state.
+/// Step times with and without an effect, from the same state, measured in turns.
 struct EffectCost {
-  int pairs = 0;                           ///< number of pairs of steps, with and without; 0: none yet
-  double ms = 0, ms_low = 0, ms_high = 0;  ///< median and quartiles of the differences
-  double without_ms = 0;                   ///< median step time without the effect
-  std::int64_t bytes = 0;                  ///< difference in the executor's memory
-  std::int64_t step = 0;                   ///< state at which the measurement started
-  std::string unavailable_reason;          ///< why it cannot be measured; empty: measured
+  RatioEstimate ratio;             ///< time with the effect over time without it; no pairs: not yet measured
+  double without_ms = 0;           ///< median step time without the effect
+  std::int64_t bytes = 0;          ///< difference in the executor's memory
+  std::int64_t step = 0;           ///< state at which the measurement started
+  std::string unavailable_reason;  ///< why it cannot be measured; empty: measured
 
-  /// Whether the cost is significant: both quartiles of the differences have the same sign.
-  bool differs_from_zero() const { return pairs >= 4 && (ms_low > 0 || ms_high < 0); }
+  /// What the effect adds to a step. Infinite bounds until there are enough pairs.
+  double ms() const { return (ratio.ratio - 1) * without_ms; }
+  double ms_low() const { return (ratio.low - 1) * without_ms; }
+  double ms_high() const { return (ratio.high - 1) * without_ms; }
 };
 
 struct EffectView {

@@ -38,12 +38,10 @@ std::string cost_text(const EffectView& effect, const Effects& now) {
   const EffectCost& cost = *effect.cost;
   if (!cost.unavailable_reason.empty()) return text + "Not measured: " + cost.unavailable_reason + ".";
   text += fmt::format(
-      "The effect adds {:.4f} ms per step: median of {} pairs of steps, quartiles {:.4f} to {:.4f} ms. A "
-      "step "
-      "without it takes {:.4f} ms. Two worlds from state {} are stepped in turns. {}Bytes: difference of "
-      "their buffers at that state.",
-      cost.ms, cost.pairs, cost.ms_low, cost.ms_high, cost.without_ms, grouped_number(cost.step),
-      cost.differs_from_zero() ? "" : "The difference is not distinguishable from 0. ");
+      "A step with it: {}. The median without it is {:.4f} ms. Two worlds from state {} are stepped in "
+      "turns. "
+      "Bytes: difference of their buffers at that state.",
+      verdict(cost.ratio, "without it"), cost.without_ms, grouped_number(cost.step));
   const Effects other = with_switched(now, effect.flag, !effect.on);
   std::string along;
   for (bool Effects::*flag : {&Effects::rotation, &Effects::friction, &Effects::rolling_resistance})
@@ -62,14 +60,15 @@ void draw_cost(const WorkspaceView& view, const EffectCost& cost) {
     faint_text("not measurable");
     return;
   }
-  const bool shown = view.with_times && cost.pairs > 0;
-  const bool faint = shown && !cost.differs_from_zero();
+  const bool shown = view.with_times && cost.ratio.pairs > 0;
+  const bool faint = shown && !cost.ratio.differs();
   const ImVec4 grey = ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled);
   ImGui::PushStyleColor(ImGuiCol_Text, faint ? grey : ImGui::GetStyleColorVec4(ImGuiCol_Text));
-  text_to(size * 15.6f, shown ? signed_time(cost.ms) : "–");
+  text_to(size * 15.6f, shown ? signed_time(cost.ms()) : "–");
   ImGui::PopStyleColor();
   ImGui::PushStyleColor(ImGuiCol_Text, grey);
-  text_to(size * 19.4f, shown ? fmt::format("±{:.3f}", 0.5 * (cost.ms_high - cost.ms_low)) : "");
+  const bool enough = shown && std::isfinite(cost.ms_high());
+  text_to(size * 19.4f, enough ? fmt::format("±{:.3f}", 0.5 * (cost.ms_high() - cost.ms_low())) : "");
   ImGui::PopStyleColor();
   text_to(size * 25.0f, signed_bytes(cost.bytes));
 }
@@ -142,6 +141,7 @@ void draw_effects_panel(Workspace& workspace, const WorkspaceView& view) {
   track(workspace, "effects.measure");
   explain(
       "Step time with an effect minus step time without it, from the present state, in two more worlds. "
+      "± is half the 95 % confidence interval. "
       "The run is slower meanwhile, with the same result.");
   const bool costs = std::ranges::any_of(view.effect_views, [](const auto& e) { return e.cost.has_value(); });
   if (costs) {
@@ -154,7 +154,7 @@ void draw_effects_panel(Workspace& workspace, const WorkspaceView& view) {
   for (const EffectView& effect : view.effect_views)
     (effect.flag == &Effects::guards ? draw_guards : draw_effect)(workspace, effect, view, now);
   const bool any_faint = std::ranges::any_of(view.effect_views, [](const EffectView& effect) {
-    return effect.cost && effect.cost->pairs > 0 && !effect.cost->differs_from_zero();
+    return effect.cost && effect.cost->ratio.pairs > 0 && !effect.cost->ratio.differs();
   });
   if (view.with_times && any_faint) faint_text("grey ms: not distinguishable from 0");
   end_panel();

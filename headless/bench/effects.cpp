@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "headless/cli/progress.h"
@@ -15,6 +15,7 @@
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/scene/names.h"
+#include "sim_cuda/tuning/steps_in_turns.h"
 
 namespace collidoscope {
 namespace {
@@ -94,30 +95,19 @@ struct Footprint {
   }
 };
 
-struct Runner {
-  World world;
-  std::vector<float> ms = {};  ///< ms per step, one entry per turn
-
-  void turn() {
-    const auto start = std::chrono::steady_clock::now();
-    world.step(effect_turn_steps);
-    ms.push_back(std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count() /
-                 effect_turn_steps);
-  }
-  Footprint footprint() {
-    Footprint print;
-    for (const StageTime& stage : world.times().stages)
-      print.launches.push_back({stage.name, stage.launches});
-    print.buffers = world.buffers();
-    print.hash = world.state_hash();
-    return print;
-  }
-};
+Footprint footprint_of(World& world) {
+  Footprint print;
+  for (const StageTime& stage : world.times().stages) print.launches.push_back({stage.name, stage.launches});
+  print.buffers = world.buffers();
+  print.hash = world.state_hash();
+  return print;
+}
 
 struct EffectRow {
   std::string effect;
   Footprint without, off, on;
-  Percentiles ms, off_ratio, on_ratio;  ///< ms per step without the effect; ratios to it in the same turn
+  Percentiles ms, off_ratio, on_ratio;      ///< ms per step without the effect; ratios to it in the same turn
+  RatioEstimate off_estimate, on_estimate;  ///< medians of the ratios, with their confidence intervals
   bool decides = true;
 
   bool off_adds_nothing() const {
@@ -130,6 +120,10 @@ struct EffectRow {
     return seen && on_matches_hash_rule();
   }
 };
+
+Percentiles percentiles_of_ms(const std::vector<double>& samples) {
+  return percentiles_of(std::vector<float>(samples.begin(), samples.end()));
+}
 
 Scene base_of(const CommandLine& line) {
   Scene scene = load_scene(line);
@@ -153,32 +147,33 @@ EffectRow measure_effect(const EffectCase& effect_case, const Scene& base, const
   Scene on = without;
   if (effect_case.call_for != nullptr) effect_case.call_for(on);
   Scene off = on;
-  Runner with{World(on, options)};
-  Effects effects = with.world.effects();
+  World with(on, options);
+  Effects effects = with.effects();
   for (const EffectName& each : effect_names)
     if (each.name == effect_case.effect) effects.*each.flag = false;
   off.physics.effects = effects;
   if (effect_case.call_for == nullptr) without = off;
-  Runner first{World(without, options)}, second{World(off, options)};
+  World first(without, options), second(off, options);
+  StepsInTurns in_turns({&second, &first, &with}, effect_turn_steps);
+  std::vector<double> first_ms, second_ms, with_ms;
   for (std::int64_t turn = 0; turn < turns; ++turn) {
-    // Alternates the order, because the first run warms the caches for the second.
-    (turn % 2 == 0 ? first : second).turn();
-    (turn % 2 == 0 ? second : first).turn();
-    with.turn();
+    const std::vector<double> ms = in_turns.turn();
+    second_ms.push_back(ms[0]);
+    first_ms.push_back(ms[1]);
+    with_ms.push_back(ms[2]);
     turned();
   }
-  std::vector<float> off_ratios, on_ratios;
-  for (std::size_t k = 0; k < first.ms.size(); ++k) {
-    off_ratios.push_back(second.ms[k] / first.ms[k]);
-    on_ratios.push_back(with.ms[k] / first.ms[k]);
-  }
+  const std::vector<double> off_ratios = ratios_of(second_ms, first_ms),
+                            on_ratios = ratios_of(with_ms, first_ms);
   return {std::string(effect_case.effect),
-          first.footprint(),
-          second.footprint(),
-          with.footprint(),
-          percentiles_of(first.ms),
-          percentiles_of(off_ratios),
-          percentiles_of(on_ratios),
+          footprint_of(first),
+          footprint_of(second),
+          footprint_of(with),
+          percentiles_of_ms(first_ms),
+          percentiles_of_ms(off_ratios),
+          percentiles_of_ms(on_ratios),
+          estimate_ratio(off_ratios),
+          estimate_ratio(on_ratios),
           effect_case.decides};
 }
 
@@ -208,6 +203,8 @@ std::string effects_json(const EffectsSetting& setting, const std::vector<Effect
              {"step_ms", percentiles_json(r.ms)},
              {"off_ratio", percentiles_json(r.off_ratio)},
              {"on_ratio", percentiles_json(r.on_ratio)},
+             {"off_estimate", estimate_json(r.off_estimate)},
+             {"on_estimate", estimate_json(r.on_estimate)},
              {"without", footprint_json(r.without)},
              {"off", footprint_json(r.off)},
              {"on", footprint_json(r.on)}};
@@ -218,15 +215,16 @@ std::string effects_json(const EffectsSetting& setting, const std::vector<Effect
 
 /// Cells of a row, for the terminal table and for Markdown.
 std::vector<std::string> cells_of(const EffectRow& r) {
-  const auto ratio = [](const Percentiles& s) {
-    return fmt::format("{:.3f} ({:.3f} to {:.3f})", s.median, s.p5, s.p95);
+  const auto ratio = [](const RatioEstimate& e) {
+    return std::isfinite(e.high) ? fmt::format("{:.3f} ({:.3f} to {:.3f})", e.ratio, e.low, e.high)
+                                 : fmt::format("{:.3f} (too few turns)", e.ratio);
   };
   std::vector<std::string> cells{
       r.effect,
       r.off_adds_nothing() ? "same" : "DIFFERENT",
       fmt::format("{:.2f}", r.ms.median),
-      ratio(r.off_ratio),
-      ratio(r.on_ratio),
+      ratio(r.off_estimate),
+      ratio(r.on_estimate),
       fmt::format("{:+}", r.on.launch_count() - r.without.launch_count()),
       fmt::format("{:+.1f}",
                   static_cast<double>(r.on.bytes() - r.without.bytes()) / static_cast<double>(1 << 10)),
@@ -237,8 +235,8 @@ std::vector<std::string> cells_of(const EffectRow& r) {
 const std::vector<std::string> heads{"effect",
                                      "off: launches, buffers, hash",
                                      "step, ms",
-                                     "off, ratio (p5 to p95)",
-                                     "on, ratio (p5 to p95)",
+                                     "off, ratio (95 % interval)",
+                                     "on, ratio (95 % interval)",
                                      "on: launches",
                                      "on: KiB",
                                      "on: hash"};
@@ -255,14 +253,16 @@ std::string effects_markdown(const std::vector<EffectRow>& rows) {
 
 std::string effects_csv(const std::vector<EffectRow>& rows) {
   std::string text =
-      "effect,off_costs_nothing,on_is_seen,step_ms,off_ratio,off_ratio_p5,off_ratio_p95,on_ratio,on_ratio_p5,"
-      "on_ratio_p95,launches_without,launches_off,launches_on,bytes_without,bytes_off,bytes_on\n";
+      "effect,off_costs_nothing,on_is_seen,step_ms,off_ratio,off_ratio_p5,off_ratio_p95,off_ratio_low,"
+      "off_ratio_high,on_ratio,on_ratio_p5,on_ratio_p95,on_ratio_low,on_ratio_high,launches_without,launches_"
+      "off,launches_on,bytes_without,bytes_off,bytes_on\n";
   for (const EffectRow& r : rows) {
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.effect, r.off_adds_nothing(),
-                        r.on_has_effect(), r.ms.median, r.off_ratio.median, r.off_ratio.p5, r.off_ratio.p95,
-                        r.on_ratio.median, r.on_ratio.p5, r.on_ratio.p95, r.without.launch_count(),
-                        r.off.launch_count(), r.on.launch_count(), r.without.bytes(), r.off.bytes(),
-                        r.on.bytes());
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.effect,
+                        r.off_adds_nothing(), r.on_has_effect(), r.ms.median, r.off_ratio.median,
+                        r.off_ratio.p5, r.off_ratio.p95, r.off_estimate.low, r.off_estimate.high,
+                        r.on_ratio.median, r.on_ratio.p5, r.on_ratio.p95, r.on_estimate.low,
+                        r.on_estimate.high, r.without.launch_count(), r.off.launch_count(),
+                        r.on.launch_count(), r.without.bytes(), r.off.bytes(), r.on.bytes());
   }
   return text;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "headless/reporting/percentiles_json.h"
 #include "sim_cuda/core/physics_version.h"
 
 namespace collidoscope {
@@ -17,13 +18,6 @@ Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : 
 std::string error_text(double error) { return std::isfinite(error) ? fmt::format("{:.3g}", error) : "-"; }
 
 }  // namespace
-
-Json estimate_json(const RatioEstimate& estimate) {
-  return {{"ratio", estimate.ratio},
-          {"low", estimate.low},
-          {"high", number_or_null(estimate.high)},
-          {"pairs", estimate.pairs}};
-}
 
 Json settings_json(World& world, const SettingComparison& comparison) {
   const WorldInfo info = world.info();

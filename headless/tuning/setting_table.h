@@ -8,7 +8,6 @@
 
 namespace collidoscope {
 
-nlohmann::ordered_json estimate_json(const RatioEstimate& estimate);
 nlohmann::ordered_json settings_json(World& world, const SettingComparison& comparison);
 std::string settings_text(World& world, const SettingComparison& comparison);
 

@@ -22,7 +22,7 @@ struct TunedRun {
   /// Where the reference stands in the map: its own shape, or on a GPU the shape that *auto* chose for the
   /// slowest stage, with the name of this stage. Empty for *auto* on a CPU, which has no (B, T).
   std::optional<StageShape> reference_place;
-  std::vector<LaunchTuner::CellTimes> cell_times;  ///< by cell; may be shorter
+  std::vector<CellTimes> cell_times;  ///< by cell; may be shorter
 };
 TunedRun tuned_run(World& world, const LaunchTuner& tuner);
 

@@ -20,7 +20,7 @@ bool was_tried(const LaunchCell& cell) {
 }
 
 /// ISO 8601 in UTC; empty if the cell was never measured.
-std::string timestamp(const LaunchTuner::CellTimes& times) {
+std::string timestamp(const CellTimes& times) {
   if (times.measured_at == std::chrono::system_clock::time_point{}) return "";
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}Z",
                      fmt::gmtime(std::chrono::system_clock::to_time_t(times.measured_at)));
@@ -33,7 +33,7 @@ template <class Take>
 void for_each_tried(const TunedRun& run, const LaunchSearch& search, const Take& take) {
   for (std::size_t k = 0; k < search.cells().size(); ++k)
     if (was_tried(search.cells()[k]))
-      take(search.cells()[k], k < run.cell_times.size() ? run.cell_times[k] : LaunchTuner::CellTimes{});
+      take(search.cells()[k], k < run.cell_times.size() ? run.cell_times[k] : CellTimes{});
 }
 
 /// "time", "ratio" and its interval as far as it is known.
@@ -52,7 +52,7 @@ std::vector<std::pair<std::string, double>> measurements(const TunedRun& run, co
 std::string kernel_tuner_cache(const TunedRun& run, const LaunchSearch& search) {
   std::set<int> blocks, threads;
   TunerJson entries = TunerJson::object();
-  for_each_tried(run, search, [&](const LaunchCell& cell, const LaunchTuner::CellTimes& times) {
+  for_each_tried(run, search, [&](const LaunchCell& cell, const CellTimes& times) {
     blocks.insert(cell.shape.blocks);
     threads.insert(cell.shape.threads);
     TunerJson entry = configuration(cell.shape);
@@ -86,7 +86,7 @@ std::string kernel_tuner_cache(const TunedRun& run, const LaunchSearch& search) 
 
 std::string t4_results(const TunedRun& run, const LaunchSearch& search) {
   TunerJson results = TunerJson::array();
-  for_each_tried(run, search, [&](const LaunchCell& cell, const LaunchTuner::CellTimes& times) {
+  for_each_tried(run, search, [&](const LaunchCell& cell, const CellTimes& times) {
     TunerJson values = TunerJson::array();
     if (is_valid(cell)) {
       for (const auto& [name, value] : measurements(run, cell))

@@ -68,10 +68,14 @@ void LaunchTuner::advance(double milliseconds) {
     const Clock::time_point before = Clock::now();
     ends_ =
         before + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(budget_ - spent_));
-    if (spent_ > search_share * budget_) search_.hurry();
-    if (!task_) task_ = search_.next();
+    if (!task_) {
+      hurried_ = spent_ > search_share * budget_;
+      if (hurried_) search_.hurry();
+      task_ = search_.next();
+    }
     if (task_) {
-      measure(*task_, 1e3 * seconds_since(before));
+      tasks_.push_back(measure(*task_, 1e3 * seconds_since(before)));
+      note(tasks_.back());
       task_.reset();
     } else {
       measure_stage_shapes();
@@ -82,28 +86,65 @@ void LaunchTuner::advance(double milliseconds) {
   }
 }
 
-void LaunchTuner::measure(const LaunchSearch::Task& task, double search_ms) {
+TunerRecord::Task LaunchTuner::measure(const LaunchSearch::Task& task, double search_ms) {
   const Clock::time_point start = Clock::now();
   PairedSteps::Durations times;
+  TunerRecord::Task finished{
+      .cell = task.cell, .hurried = hurried_, .reason = {}, .pairs = {}, .times = {.search = search_ms}};
   try {
     pair_.candidate().set_launch_shape(search_.cells()[task.cell].shape);
     times = pair_.measure(task.pairs, ends_, [&](double ms, double reference_ms) {
+      finished.pairs.push_back({ms, reference_ms, stage_pairs()});
       search_.add(task.cell, ms, reference_ms);
-      reference_ms_.push_back(reference_ms);
-      note_stages(task.cell);
+      note(task.cell, finished.pairs.back());
     });
-    if (const std::string difference = pair_.difference(times); !difference.empty())
-      search_.exclude(task.cell, LaunchCell::State::wrong, difference);
+    finished.reason = pair_.difference(times);
+    if (!finished.reason.empty()) finished.state = LaunchCell::State::wrong;
   } catch (const MachineError& error) {
-    search_.exclude(task.cell, LaunchCell::State::infeasible, error.what());
+    finished.state = LaunchCell::State::infeasible;
+    finished.reason = error.what();
   }
+  if (finished.state != LaunchCell::State::measured)
+    search_.exclude(task.cell, finished.state, finished.reason);
+  finished.times.setup = 1e3 * seconds_since(start) - times.benchmark - times.check;
+  finished.times.benchmark = times.benchmark;
+  finished.times.check = times.check;
+  finished.times.measured_at = std::chrono::system_clock::now();
+  return finished;
+}
+
+void LaunchTuner::note(std::size_t cell, const TunerRecord::Pair& pair) {
+  reference_ms_.push_back(pair.reference_ms);
+  note_stages(cell, pair.stages);
+}
+
+void LaunchTuner::note(const TunerRecord::Task& task) {
   if (cell_times_.size() <= task.cell) cell_times_.resize(task.cell + 1);
   CellTimes& sum = cell_times_[task.cell];
-  sum.search += search_ms;
-  sum.setup += 1e3 * seconds_since(start) - times.benchmark - times.check;
-  sum.benchmark += times.benchmark;
-  sum.check += times.check;
-  sum.measured_at = std::chrono::system_clock::now();
+  sum.search += task.times.search;
+  sum.setup += task.times.setup;
+  sum.benchmark += task.times.benchmark;
+  sum.check += task.times.check;
+  sum.measured_at = task.times.measured_at;
+}
+
+bool LaunchTuner::restore(const TunerRecord& record) {
+  LaunchSearch search = search_;
+  for (const TunerRecord::Task& task : record.tasks) {
+    if (task.hurried) search.hurry();
+    const std::optional<LaunchSearch::Task> next = search.next();
+    if (!next || next->cell != task.cell || std::ssize(task.pairs) > next->pairs) return false;
+    for (const TunerRecord::Pair& pair : task.pairs) search.add(task.cell, pair.ms, pair.reference_ms);
+    if (task.state != LaunchCell::State::measured) search.exclude(task.cell, task.state, task.reason);
+  }
+  search_ = std::move(search);
+  spent_ = record.spent;
+  tasks_ = record.tasks;
+  for (const TunerRecord::Task& task : tasks_) {
+    for (const TunerRecord::Pair& pair : task.pairs) note(task.cell, pair);
+    note(task);
+  }
+  return true;
 }
 
 StageShapes LaunchTuner::stage_shapes() const {
@@ -135,22 +176,35 @@ void LaunchTuner::measure_stage_shapes() {
   PairedSteps::Durations times =
       pair_.measure(confirmation_pairs_, ends_, [&](double ms, double reference_ms) {
         stage_ratios_.push_back(ms / reference_ms);
-        note_stages(std::nullopt);
+        note_stages(std::nullopt, stage_pairs());
       });
   stage_difference_ = pair_.difference(times);
 }
 
-void LaunchTuner::note_stages(std::optional<std::size_t> cell) {
+std::vector<TunerRecord::StagePair> LaunchTuner::stage_pairs() const {
+  std::vector<TunerRecord::StagePair> pairs;
   const std::vector<StageTime> of_cell = pair_.candidate().latest_times().stages;
   for (const StageTime& stage : pair_.reference().latest_times().stages) {
     const auto other = std::ranges::find(of_cell, stage.name, &StageTime::name);
-    if (other == of_cell.end() || !(stage.last_ms > 0)) continue;
-    auto found = std::ranges::find(stages_, stage.name, &StageSamples::name);
-    if (found == stages_.end())
-      found = stages_.insert(found, {stage.name, false, stage.launch, {}, {}, {}, {}});
-    found->obeys |= stage.launch.threads > 0 && !stage.library_launch;
-    found->ms.push_back(static_cast<float>(stage.last_ms));
-    const double ratio = other->last_ms / stage.last_ms;
+    if (other != of_cell.end() && stage.last_ms > 0)
+      pairs.push_back({stage.name, other->last_ms, stage.last_ms, other->launch.occupancy});
+  }
+  return pairs;
+}
+
+void LaunchTuner::note_stages(std::optional<std::size_t> cell,
+                              const std::vector<TunerRecord::StagePair>& pairs) {
+  const std::vector<StageTime> of_reference = pair_.reference().latest_times().stages;
+  for (const TunerRecord::StagePair& pair : pairs) {
+    auto found = std::ranges::find(stages_, pair.name, &StageSamples::name);
+    if (found == stages_.end()) found = stages_.insert(found, {pair.name, false, {}, {}, {}, {}, {}});
+    const auto stage = std::ranges::find(of_reference, pair.name, &StageTime::name);
+    if (stage != of_reference.end()) {
+      if (found->ms.empty()) found->launch = stage->launch;
+      found->obeys |= stage->launch.threads > 0 && !stage->library_launch;
+    }
+    found->ms.push_back(static_cast<float>(pair.reference_ms));
+    const double ratio = pair.ms / pair.reference_ms;
     if (!cell) {
       found->fresh.push_back(ratio);
       continue;
@@ -160,7 +214,7 @@ void LaunchTuner::note_stages(std::optional<std::size_t> cell) {
       found->occupancy.resize(*cell + 1, 0);
     }
     found->ratios[*cell].push_back(static_cast<float>(ratio));
-    found->occupancy[*cell] = other->launch.occupancy;
+    found->occupancy[*cell] = pair.occupancy;
   }
 }
 

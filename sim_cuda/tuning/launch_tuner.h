@@ -13,6 +13,7 @@
 #include "sim_cuda/core/stage_launch.h"
 #include "sim_cuda/tuning/launch_search.h"
 #include "sim_cuda/tuning/paired_steps.h"
+#include "sim_cuda/tuning/tuner_record.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {
@@ -39,6 +40,12 @@ class LaunchTuner {
   void advance(double milliseconds);
   bool done() const { return done_; }
 
+  /// All finished measurements of cells, for restore() in another process.
+  TunerRecord record() const { return {spent_, tasks_}; }
+  /// Goes on from a record. Call it first. Returns false, and changes nothing, if the record is of another
+  /// search. The caller checks that the run is the same.
+  bool restore(const TunerRecord& record);
+
   const LaunchSearch& search() const { return search_; }
   LaunchShape reference() const { return shape_; }  ///< 0: automatic
   double spent() const { return spent_; }           ///< s
@@ -60,15 +67,7 @@ class LaunchTuner {
   };
   std::vector<Stage> stages() const;
 
-  /// How long the measurements of a cell took, of all its tasks, ms.
-  struct CellTimes {
-    double search = 0;                                  ///< the decision to measure it
-    double setup = 0;                                   ///< change of shape, and the first steps
-    double benchmark = 0;                               ///< timed steps of cell and reference
-    double check = 0;                                   ///< state hashes
-    std::chrono::system_clock::time_point measured_at;  ///< end of the last task
-  };
-  /// By cell; may be shorter than search().cells().
+  /// By cell, the sums of all its tasks; may be shorter than search().cells().
   const std::vector<CellTimes>& cell_times() const { return cell_times_; }
 
   /// The best shape of each stage that obeys (B, T), if its time is below that of the reference.
@@ -85,10 +84,15 @@ class LaunchTuner {
 
  private:
   using Clock = PairedSteps::Clock;
-  void measure(const LaunchSearch::Task& task, double search_ms);
+  TunerRecord::Task measure(const LaunchSearch::Task& task, double search_ms);
   void measure_stage_shapes();
-  /// Notes the stage times of a pair. Empty: of stage_shapes().
-  void note_stages(std::optional<std::size_t> cell);
+  /// Stage times of the last pair.
+  std::vector<TunerRecord::StagePair> stage_pairs() const;
+  /// Notes stage times of a pair. No cell: of stage_shapes().
+  void note_stages(std::optional<std::size_t> cell, const std::vector<TunerRecord::StagePair>& pairs);
+  /// Notes what the search does not keep.
+  void note(std::size_t cell, const TunerRecord::Pair& pair);
+  void note(const TunerRecord::Task& task);
 
   LaunchShape shape_;
   double budget_, spent_ = 0;
@@ -96,6 +100,8 @@ class LaunchTuner {
   PairedSteps pair_;
   LaunchSearch search_;
   std::optional<LaunchSearch::Task> task_;  ///< in progress; kept if it is cancelled
+  bool hurried_ = false;                    ///< before task_
+  std::vector<TunerRecord::Task> tasks_;    ///< finished
   bool done_ = false;
   std::vector<double> stage_ratios_;
   std::string stage_difference_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "sim_cuda/core/wall_clock.h"
+#include "sim_cuda/tuning/steps_in_turns.h"
 
 namespace collidoscope {
 namespace {
@@ -13,12 +14,6 @@ std::unique_ptr<World> marked_world(const Scene& scene, RunOptions options, cons
   auto world = std::make_unique<World>(scene, options, &state);
   world->mark();
   return world;
-}
-
-double time_steps(World& world) {
-  const PairedSteps::Clock::time_point start = PairedSteps::Clock::now();
-  world.step(PairedSteps::steps_of_pair);
-  return 1e3 * seconds_since(start) / PairedSteps::steps_of_pair;
 }
 
 }  // namespace
@@ -45,12 +40,10 @@ PairedSteps::Durations PairedSteps::measure(int pairs, Clock::time_point end,
     world->step(steps_of_pair);
   }
   const Clock::time_point start = Clock::now();
+  StepsInTurns turns({reference_.get(), candidate_.get()}, steps_of_pair);
   for (int pair = 0; pair < pairs && (pair == 0 || Clock::now() < end); ++pair) {
-    const bool first = pair % 2 == 0;
-    double reference_ms = first ? time_steps(*reference_) : 0;
-    const double ms = time_steps(*candidate_);
-    if (!first) reference_ms = time_steps(*reference_);
-    note(ms, reference_ms);
+    const std::vector<double> ms = turns.turn();
+    note(ms[1], ms[0]);
   }
   return {1e3 * seconds_since(start), 0};
 }

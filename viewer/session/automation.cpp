@@ -44,8 +44,8 @@ nlohmann::ordered_json effects_json(const WorkspaceView& view) {
     auto& one = effects[effect.name];
     one = {{"on", effect.on}, {"called_for", effect.required}};
     if (effect.cost)
-      one["cost"] = {{"pairs", effect.cost->pairs},
-                     {"ms", effect.cost->ms},
+      one["cost"] = {{"pairs", effect.cost->ratio.pairs},
+                     {"ms", effect.cost->ms()},
                      {"bytes", effect.cost->bytes},
                      {"lack", effect.cost->unavailable_reason}};
   }

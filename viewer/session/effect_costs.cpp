@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <exception>
-#include <limits>
 #include <stdexcept>
 
 #include "sim_cuda/core/deadline.h"
-#include "sim_cuda/core/stage_clock.h"
 #include "sim_cuda/core/statistics.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/scene_file.h"
@@ -14,14 +12,7 @@
 namespace collidoscope {
 namespace {
 
-/// ms of the next step without stage times, which is every other step. NaN if the step was repeated.
-float plain_step(World& world) {
-  const int before = world.latest_times().steps_timed;
-  world.step(2);
-  const RunTimes times = world.latest_times();
-  return times.steps_timed > before ? static_cast<float>(times.step_last_ms)
-                                    : std::numeric_limits<float>::quiet_NaN();
-}
+constexpr int steps_of_turn = 2;
 
 }  // namespace
 
@@ -59,13 +50,8 @@ bool EffectCosts::make_worlds() {
     with_ = std::make_unique<World>(measurement.on ? scene_ : other, options_, &state_);
     without_ = std::make_unique<World>(measurement.on ? other : scene_, options_, &state_);
     cost.bytes = with_->info().allocated_bytes - without_->info().allocated_bytes;
-    // Each pair starts with a step without stage times.
-    if (state_.steps % 2 == 1) {
-      with_->step();
-      without_->step();
-    }
-    plain_step(*with_);  // warm-up
-    plain_step(*without_);
+    turns_.emplace(std::vector<World*>{without_.get(), with_.get()}, steps_of_turn);
+    turns_->turn();                        // warm-up
   } catch (const std::exception& error) {  // out of memory, or an invalid scene
     with_.reset();
     without_.reset();
@@ -76,18 +62,16 @@ bool EffectCosts::make_worlds() {
 }
 
 void EffectCosts::step_pair() {
-  turn_ = !turn_;
-  const float first = plain_step(turn_ ? *with_ : *without_), second = plain_step(turn_ ? *without_ : *with_);
-  const float with = turn_ ? first : second, without = turn_ ? second : first;
-  if (!(with > 0 && without > 0)) return;
-  differences_.push_back(with - without);
-  without_ms_.push_back(without);
+  const std::vector<double> ms = turns_->turn();
+  without_ms_.push_back(ms[0]);
+  with_ms_.push_back(ms[1]);
 }
 
 void EffectCosts::finish() {
   with_.reset();
   without_.reset();
-  differences_.clear();
+  turns_.reset();
+  with_ms_.clear();
   without_ms_.clear();
   pending_.pop_back();
   if (pending_.empty()) state_ = {};
@@ -109,14 +93,10 @@ void EffectCosts::advance(World& world, double milliseconds) {
       finish();
       continue;
     }
-    cost.pairs = static_cast<int>(differences_.size());
-    cost.ms = quantile(differences_, 0.5);
-    cost.ms_low = quantile(differences_, 0.25);
-    cost.ms_high = quantile(differences_, 0.75);
+    cost.ratio = estimate_ratio(ratios_of(with_ms_, without_ms_));
     cost.without_ms = quantile(without_ms_, 0.5);
-    const bool moving = with_->steps() < state_.steps + 10 * pairs && !with_->validation().paused() &&
-                        !without_->validation().paused();
-    if (cost.pairs >= pairs || !moving) finish();
+    const bool stopped = with_->validation().paused() || without_->validation().paused();
+    if (cost.ratio.pairs >= pairs || stopped) finish();
     if (slice.passed()) break;
   }
 }

@@ -1,14 +1,15 @@
 #pragma once
 // Measures the cost of each effect of a running scene. Two worlds start from the present state, one with the
-// effect and one without, and are stepped in turns. The cost is the median of the differences. The running
-// world is only read. One effect is measured at a time, a time slice per call. Owns the two worlds during a
-// measurement.
+// effect and one without, and are stepped in turns. The running world is only read. One effect is measured at
+// a time, a time slice per call. Owns the two worlds during a measurement.
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/effect_reasons.h"
+#include "sim_cuda/tuning/steps_in_turns.h"
 #include "sim_cuda/world.h"
 #include "ui/effect_view.h"
 
@@ -48,8 +49,8 @@ class EffectCosts {
   Effects now_;
   std::vector<Measurement> pending_;  ///< the last one is measured now
   std::unique_ptr<World> with_, without_;
-  std::vector<float> differences_, without_ms_;  ///< in ms
-  bool turn_ = false;
+  std::optional<StepsInTurns> turns_;
+  std::vector<double> with_ms_, without_ms_;  ///< per step, one entry per pair
   std::vector<std::pair<bool Effects::*, EffectCost>> measured_;
 };
 
