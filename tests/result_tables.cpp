@@ -251,7 +251,7 @@ std::string tree_quality_paper() { return tree_quality("epyc-2-cores/bvh-20000-p
 std::string solvers() {
   MarkdownTable table({"solver", "settings", "step, ms (p5 to p95)", "ratio to `soft_step` (p5 to p95)",
                        "overlap, r.m.s.", "max. overlap, m", "kinetic energy, J", "speed, r.m.s., m/s"});
-  const Json suite = result("xeon-2-cores/solvers-5000-pile.json");
+  const Json suite = result("epyc-2-cores/solvers-5000-pile.json");
   for (const Json& row : suite["rows"])
     table.row({row["solver"], row["settings"], spread(row["step_ms"], 2), spread(row["ratio"], 2),
                fmt::format("{:.2g} %", 100 * row["overlap_rms"].get<double>()),
@@ -290,9 +290,14 @@ std::string frames_of_cpu() {
   return frames({"epyc-2-cores/frames-2000-paper.json", "epyc-2-cores/frames-100000-scaled.json"});
 }
 
+std::string interval(const Json& estimate) {
+  return fmt::format("{} ({} to {})", fixed(estimate["ratio"], 3), fixed(estimate["low"], 3),
+                     fixed(estimate["high"], 3));
+}
+
 std::string effects(const char* file) {
-  MarkdownTable table({"effect", "off: launches, buffers, hash", "step, ms", "off, ratio (p5 to p95)",
-                       "on, ratio (p5 to p95)", "on: launches", "on: KiB", "on: hash"});
+  MarkdownTable table({"effect", "off: launches, buffers, hash", "step, ms", "off, ratio (95 % interval)",
+                       "on, ratio (95 % interval)", "on: launches", "on: KiB", "on: hash"});
   const Json suite = result(file);
   for (const Json& row : suite["effects"]) {
     int launches = 0;
@@ -302,14 +307,14 @@ std::string effects(const char* file) {
         row["on"]["allocated_bytes"].get<double>() - row["off"]["allocated_bytes"].get<double>();
     table.row({code(row["effect"].get<std::string>()),
                row["off_costs_nothing"].get<bool>() ? "same" : "differ", fixed(row["step_ms"]["median"], 3),
-               spread(row["off_ratio"], 3), spread(row["on_ratio"], 3), fmt::format("{:+}", launches),
+               interval(row["off_estimate"]), interval(row["on_estimate"]), fmt::format("{:+}", launches),
                fmt::format("{:+.1f}", bytes / 1024),
                row["on"]["state_hash"] == row["off"]["state_hash"] ? "unchanged" : "changed"});
   }
   return table.text();
 }
 
-std::string effects_of_xeon() { return effects("xeon-2-cores/effects-5000-scaled.json"); }
+std::string effects_of_cpu() { return effects("epyc-2-cores/effects-5000-scaled.json"); }
 std::string effects_of_h200() { return effects("nvidia-h200/effects-100000-scaled.json"); }
 std::string effects_of_h200_small() { return effects("nvidia-h200/effects-2001-scaled.json"); }
 
@@ -329,7 +334,7 @@ const std::map<std::string_view, std::string (*)()> tables{
     {"frames-impulse", frames_of_impulse},
     {"frames-soft_step", frames_of_soft_step},
     {"frames-cpu", frames_of_cpu},
-    {"effects-xeon", effects_of_xeon},
+    {"effects-cpu", effects_of_cpu},
     {"effects-h200", effects_of_h200},
     {"effects-h200-small", effects_of_h200_small},
 };

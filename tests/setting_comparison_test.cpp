@@ -132,7 +132,7 @@ TEST(TuneOver, RefusesWhatItCannotCompare) {
   const Outcome unknown = run_headless({"tune", "box_collider", "--over", "sorting"});
   EXPECT_EQ(unknown.status, 2);
   EXPECT_EQ(unknown.err,
-            "--over: unknown over \"sorting\"; expected broad-phase, key-bits, sort, cpu-threads, solver, "
+            "--over: unknown setting \"sorting\"; expected broad-phase, key-bits, sort, cpu-threads, solver, "
             "substeps, iterations or precision\n");
   const Outcome none = run_headless({"tune", "box_collider", "--bodies", "20", "--executor", "cpu",
                                      "--broad-phase", "brute_force", "--over", "key-bits"});

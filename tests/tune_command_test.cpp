@@ -75,17 +75,56 @@ TEST(TuneCommand, ConfirmsWithAsManyPairsAsAsked) {
   EXPECT_EQ(run_headless(tune({"--confirmation-pairs", "5"})).status, 2);
 }
 
+TEST(TuneCommand, RefusesFilesThatCannotBeWrittenBeforeItMeasures) {
+  for (const char* flag : {"--json", "--picture", "--kernel-tuner", "--t4"}) {
+    const Outcome run = run_headless(tune({flag, "/no/such/folder/file"}));
+    EXPECT_EQ(run.status, 2) << flag;
+    EXPECT_THAT(run.err, testing::StartsWith(std::string(flag) + ": "));
+    EXPECT_EQ(std::ranges::count(run.err, '\n'), 1) << run.err;
+    EXPECT_EQ(run.out, "");
+    EXPECT_EQ(run_headless(tune({flag, ""})).status, 2) << flag;
+  }
+}
+
+/// Each file keeps its old content if the new one does not fit.
+TEST(TuneCommand, KeepsOldFilesOnAFullDisk) {
+  for (const char* flag : {"--picture", "--kernel-tuner", "--t4"}) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "file") << "old";
+    const Outcome run = run_headless(tune({flag, folder / "file"}), Launch{.max_file_bytes = 2000});
+    EXPECT_EQ(run.status, 3) << flag << run.err;
+    EXPECT_THAT(run.err, HasSubstr("file"));
+    EXPECT_EQ(std::ranges::count(run.err, '\n'), 1) << run.err;
+    EXPECT_EQ(text_of(folder / "file"), "old") << flag;
+    EXPECT_EQ(folder.files(), 1u) << flag;
+  }
+}
+
+class TuneOutputs : public OnEachExecutor {};
+ON_EACH_EXECUTOR(TuneOutputs);
+
 /// Ctrl-C keeps the measurements in the --json file, and the same command goes on from there.
-TEST(TuneCommand, GoesOnAfterCtrlC) {
+TEST_P(TuneOutputs, GoOnAfterCtrlC) {
   const TemporaryFolder folder;
   const std::string file = folder / "r.json";
   // So many pairs take longer than the budget.
-  const std::vector<std::string> arguments{
-      "tune",    "box_collider", "--bodies", "500", "--executor",           "cpu",  "--budget", "4",
-      "--tuned", "off",          "--json",   file,  "--confirmation-pairs", "10000"};
+  const std::vector<std::string> arguments{"tune",
+                                           "box_collider",
+                                           "--bodies",
+                                           "500",
+                                           "--executor",
+                                           this->options().executor == ExecutorKind::cuda ? "cuda" : "cpu",
+                                           "--budget",
+                                           "4",
+                                           "--tuned",
+                                           "off",
+                                           "--json",
+                                           file,
+                                           "--confirmation-pairs",
+                                           "10000"};
   json kept;
-  for (int wait = 1000; kept["tasks"].empty() && wait < 60000;
-       wait *= 2) {  // ms; a busy machine starts slowly
+  // ms; a busy machine starts slowly
+  for (int wait = 1000; kept["tasks"].empty() && wait < 60000; wait *= 2) {
     const Outcome stopped = run_headless(arguments, Launch{.interrupt_after_ms = wait});
     ASSERT_EQ(stopped.status, 128 + SIGINT) << stopped.err;
     if (!std::filesystem::exists(file)) continue;
@@ -122,34 +161,6 @@ TEST(TuneCommand, GoesOnAfterCtrlC) {
     EXPECT_EQ(json::parse(text_of(file))["complete"], true);
   }
 }
-
-TEST(TuneCommand, RefusesFilesThatCannotBeWrittenBeforeItMeasures) {
-  for (const char* flag : {"--json", "--picture", "--kernel-tuner", "--t4"}) {
-    const Outcome run = run_headless(tune({flag, "/no/such/folder/file"}));
-    EXPECT_EQ(run.status, 2) << flag;
-    EXPECT_THAT(run.err, testing::StartsWith(std::string(flag) + ": "));
-    EXPECT_EQ(std::ranges::count(run.err, '\n'), 1) << run.err;
-    EXPECT_EQ(run.out, "");
-    EXPECT_EQ(run_headless(tune({flag, ""})).status, 2) << flag;
-  }
-}
-
-/// Each file keeps its old content if the new one does not fit.
-TEST(TuneCommand, KeepsOldFilesOnAFullDisk) {
-  for (const char* flag : {"--picture", "--kernel-tuner", "--t4"}) {
-    const TemporaryFolder folder;
-    std::ofstream(folder / "file") << "old";
-    const Outcome run = run_headless(tune({flag, folder / "file"}), Launch{.max_file_bytes = 2000});
-    EXPECT_EQ(run.status, 3) << flag << run.err;
-    EXPECT_THAT(run.err, HasSubstr("file"));
-    EXPECT_EQ(std::ranges::count(run.err, '\n'), 1) << run.err;
-    EXPECT_EQ(text_of(folder / "file"), "old") << flag;
-    EXPECT_EQ(folder.files(), 1u) << flag;
-  }
-}
-
-class TuneOutputs : public OnEachExecutor {};
-ON_EACH_EXECUTOR(TuneOutputs);
 
 TEST_P(TuneOutputs, ShowAShapeWithAnotherHash) {
   Scene scene = box_collider(300);

@@ -301,6 +301,23 @@ TEST(TunedFlag, OfTuneKeepsItsResult) {
 }
 
 /// The committed defaults are those of the committed measurements.
+/// The window does not try the file before it measures.
+TEST(TunedFlag, NamesTheFileOfTheWindowToo) {
+  const TemporaryFolder folder;
+  Options options;
+  options.run.executor = ExecutorKind::cpu;
+  options.tuned = folder / "t";
+  World world(box_collider(20), options.run);
+  LaunchTuner tuner(world, 60);
+  while (!tuner.done()) tuner.advance(100);
+  EXPECT_THAT(keep_result(options, nullptr, world, tuner), HasSubstr("kept in " + options.tuned));
+  EXPECT_EQ(read_tuned(options.tuned).size(), 1u);
+  options.tuned = folder / "t" / "in_a_file";
+  EXPECT_THAT(keep_result(options, nullptr, world, tuner), testing::StartsWith("not kept: "));
+  options.tuned = "off";
+  EXPECT_EQ(keep_result(options, nullptr, world, tuner), "");
+}
+
 TEST(TunedFiles, OfTheAssetsAreTheCommittedMeasurements) {
   const std::vector<TunedShapes> results = read_tuned(project_file("assets/tuned.json"));
   EXPECT_GE(results.size(), 10u);

@@ -73,14 +73,15 @@ std::optional<Vector3d> FlagValue::vector(double limit, std::string_view unit) {
   return std::nullopt;
 }
 
-std::optional<std::string> FlagValue::word(std::span<const std::string> words) {
+std::optional<std::string> FlagValue::word(std::span<const std::string> words, std::string_view what) {
   if (std::ranges::find(words, text_) != words.end()) return std::string(text_);
-  unknown(std::vector<std::string_view>(words.begin(), words.end()));
+  unknown(std::vector<std::string_view>(words.begin(), words.end()), what);
   return std::nullopt;
 }
 
-void FlagValue::unknown(std::span<const std::string_view> names) {
-  fault(unknown_name(flag_.substr(flag_.find_first_not_of('-')), text_, names));
+void FlagValue::unknown(std::span<const std::string_view> names, std::string_view what) {
+  if (what.empty()) what = flag_.substr(flag_.find_first_not_of('-'));
+  fault(unknown_name(what, text_, names));
 }
 
 }  // namespace collidoscope

@@ -54,11 +54,11 @@ class FlagValue {
     if (!choice) unknown(names_in(table));
     return choice;
   }
-  /// The text itself if it is one of `words`.
-  std::optional<std::string> word(std::span<const std::string> words);
+  /// The text itself if it is one of `words`. `what`: how the fault names another one; empty: as the flag.
+  std::optional<std::string> word(std::span<const std::string> words, std::string_view what = "");
 
  private:
-  void unknown(std::span<const std::string_view> names);
+  void unknown(std::span<const std::string_view> names, std::string_view what = "");
 
   std::string_view flag_, text_;
   std::vector<std::string>* faults_;

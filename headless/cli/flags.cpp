@@ -133,6 +133,11 @@ std::optional<std::string> word(FlagValue& value) {
   static const std::vector<std::string> known = words();
   return value.word(known);
 }
+
+std::optional<std::string> compared_setting(FlagValue& value) {
+  static const std::vector<std::string> known = comparison_axes();
+  return value.word(known, "setting");
+}
 std::optional<std::int64_t> body_count(FlagValue& value) { return value.whole(1, limits::max_bodies); }
 
 void guards(FlagValue& value, Options& options) {
@@ -266,7 +271,7 @@ std::vector<Flag> all_flags() {
        {"--over", "LIST",
         "compare values of these settings instead of launch shapes: " +
             fmt::format("{}", fmt::join(comparison_axes(), ", ")),
-        list<&word<comparison_axes>, tune, &TuneOptions::over>},
+        list<&compared_setting, tune, &TuneOptions::over>},
        {"--brute-force", "",
         "then measure all shapes; exit status 1 if one is more than 2 % faster than the chosen one",
         on<tune, &TuneOptions::brute_force>},

@@ -43,7 +43,7 @@ std::optional<TunedShapes> tuned_result(const World& world, const LaunchTuner& t
 }
 
 std::string keep_result(const Options& options, OutputFile* named, World& world, const LaunchTuner& tuner) {
-  const std::string file = named != nullptr ? options.tuned : tuned_cache();
+  const std::string file = options.tuned.empty() ? tuned_cache() : options.tuned;
   const std::optional<TunedShapes> result = tuned_result(world, tuner);
   if (file.empty() || options.tuned == "off" || !result) return "";
   if (named != nullptr) {

@@ -11,9 +11,10 @@ namespace collidoscope {
 /// Throws InputError if the named file has a fault.
 void load_tuned(Options& options);
 
-/// Keeps what `tuner` found for `world` in `named`, the file of --tuned, or if that is null, in the user's
-/// cache. Returns a line for the user; empty: there is nothing to keep, or --tuned is off. Throws InputError
-/// if the named file has a fault, FileWriteError.
+/// Keeps what `tuner` found for `world` in the file of --tuned, or without the flag in the user's cache.
+/// `named`: a file that was tried before the measurement; null: not tried. Returns a line for the user;
+/// empty: there is nothing to keep, or --tuned is off. Throws InputError if the named file has a fault,
+/// FileWriteError.
 std::string keep_result(const Options& options, OutputFile* named, World& world, const LaunchTuner& tuner);
 
 /// What keep_result() keeps: the faster one of all stages with the chosen shape, and each with its best.

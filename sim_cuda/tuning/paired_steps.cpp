@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/wall_clock.h"
 #include "sim_cuda/tuning/steps_in_turns.h"
 
@@ -42,6 +43,10 @@ PairedSteps::Durations PairedSteps::measure(int pairs, Clock::time_point end,
   const Clock::time_point start = Clock::now();
   StepsInTurns turns({reference_.get(), candidate_.get()}, steps_of_pair);
   for (int pair = 0; pair < pairs && (pair == 0 || Clock::now() < end); ++pair) {
+    // A GPU looks at a request only in steps that take longer than 5 ms.
+    if (Cancellation* const cancellation = reference_->options().cancellation;
+        cancellation != nullptr && cancellation->poll())
+      throw Cancelled();
     const std::vector<double> ms = turns.turn();
     note(ms[1], ms[0]);
   }

@@ -143,9 +143,10 @@ ComparedSetting compared(PairedSteps& pair, const SettingChoice& choice, Clock::
   return row;
 }
 
-/// Sets the errors of the choices that change the result, and of the present settings.
+/// Sets the errors of the choices that change the result, and of the present settings. Calls `progress`
+/// between two pieces of work.
 void measure_errors(World& world, const std::vector<SettingChoice>& choices, Clock::time_point end,
-                    SettingComparison& result) {
+                    SettingComparison& result, const std::function<void()>& progress) {
   std::vector<std::size_t> rows;
   std::vector<AccuracyPoint> points(1);
   const Physics& now = world.scene().physics;
@@ -176,8 +177,7 @@ void measure_errors(World& world, const std::vector<SettingChoice>& choices, Clo
       if (error_of(k) != error_of(k)) return false;
     return true;
   };
-  while (!known() && Clock::now() < end && study.advance(100)) {
-  }
+  while (!known() && Clock::now() < end && study.advance(100)) progress();
   if (!known())
     result.error_unavailable = "the budget was too short for the errors; `accuracy` shows how far it is";
   result.reference_error = error_of(0);
@@ -223,7 +223,8 @@ SettingComparison compare_settings(World& world, const std::vector<SettingChoice
   for (ComparedSetting& row : result.rows)
     if (row.estimate.pairs > 0) row.ms = result.reference_ms * row.estimate.ratio;
   if (with_errors) try {
-      measure_errors(world, choices, at(budget), result);
+      measure_errors(world, choices, at(budget), result,
+                     [&] { progress(std::min(seconds_since(start) / budget, 1.0)); });
     } catch (const InputError& error) {  // no body moves
       result.error_unavailable = error.what();
     }
