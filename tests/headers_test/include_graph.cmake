@@ -74,7 +74,7 @@ folder(headless/markdown NOT "${windows}|CLI/" MAY sim_cuda/* headless/cli headl
 folder(headless/accuracy NOT "${windows}|CLI/" MAY sim_cuda/* ui headless/cli headless/pictures headless/reporting)
 folder(headless/bench NOT "${windows}|CLI/" MAY sim_cuda/* ui viewer/render/* viewer/session viewer/view headless/cli headless/pictures headless/reporting)
 folder(headless/stability NOT "${windows}|CLI/" MAY sim_cuda/* headless/cli headless/reporting)
-folder(headless/tuning NOT "${windows}|CLI/" MAY sim_cuda/* ui viewer/render)
+folder(headless/tuning NOT "${windows}|CLI/" MAY sim_cuda/* ui viewer/render headless/reporting)
 folder(headless NOT "${windows}|CLI/" MAY sim_cuda/* ui viewer/render/* viewer/session headless/*)
 
 set(offences "")
