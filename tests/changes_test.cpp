@@ -295,7 +295,7 @@ TEST(Change, FilesReadBackAsTheyWere) {
 }
 
 /// The message for a list with this second line. The scene is crowd(), with or without generators.
-std::string fault_of(const std::string& changes, std::int64_t start = 0, bool generated = true) {
+std::string changes_fault(const std::string& changes, std::int64_t start = 0, bool generated = true) {
   Scene scene = crowd();
   if (!generated) {
     scene.generators.clear();
@@ -312,50 +312,51 @@ std::string fault_of(const std::string& changes, std::int64_t start = 0, bool ge
 }
 
 TEST(Change, FaultsSayWhereAndWhat) {
-  EXPECT_EQ(fault_of(R"({"step": 3, "bodies": 5, "remove": [6]})"), "");
-  EXPECT_EQ(fault_of(R"({"bodies": 5})"),
+  EXPECT_EQ(changes_fault(R"({"step": 3, "bodies": 5, "remove": [6]})"), "");
+  EXPECT_EQ(changes_fault(R"({"bodies": 5})"),
             "f:2:1: a change must have a \"step\", the number of the state at which it applies");
-  EXPECT_EQ(fault_of(R"({"step": -1})"), "f:2:10: \"step\" must be the number of a state, 0 or more");
+  EXPECT_EQ(changes_fault(R"({"step": -1})"), "f:2:10: \"step\" must be the number of a state, 0 or more");
   EXPECT_THAT(
-      fault_of("{\"step\": 9}, {\"step\": 8}"),
+      changes_fault("{\"step\": 9}, {\"step\": 8}"),
       HasSubstr(
           "f:2:23: changes must be in ascending order of \"step\"; the change before this one has step 9"));
-  EXPECT_THAT(fault_of(R"({"step": 9})", 20), HasSubstr("f:2:10: lies before state 20"));
-  EXPECT_EQ(fault_of(R"({"step": 0}, {"step": 9})", 20), "") << "it begins anew";
-  EXPECT_THAT(fault_of(R"({"step": 1, "bodis": 5})"), HasSubstr("did you mean \"bodies\"?"));
-  EXPECT_EQ(fault_of(R"({"step": 1, "remove": [122]})"),
+  EXPECT_THAT(changes_fault(R"({"step": 9})", 20), HasSubstr("f:2:10: lies before state 20"));
+  EXPECT_EQ(changes_fault(R"({"step": 0}, {"step": 9})", 20), "") << "it begins anew";
+  EXPECT_THAT(changes_fault(R"({"step": 1, "bodis": 5})"), HasSubstr("did you mean \"bodies\"?"));
+  EXPECT_EQ(changes_fault(R"({"step": 1, "remove": [122]})"),
             "f:2:24: body 122 does not exist; ids must be below 122");
-  EXPECT_EQ(fault_of(R"({"step": 1, "bodies": 20, "remove": [22]})"),
+  EXPECT_EQ(changes_fault(R"({"step": 1, "bodies": 20, "remove": [22]})"),
             "f:2:38: body 22 does not exist; ids must be below 22");
-  EXPECT_EQ(fault_of(R"({"step": 1, "remove": [3, 3]})"),
+  EXPECT_EQ(changes_fault(R"({"step": 1, "remove": [3, 3]})"),
             "f:2:27: body 3 appears twice in this list; list it once");
-  EXPECT_THAT(fault_of(R"({"step": 1, "remove": [1.5]})"),
+  EXPECT_THAT(changes_fault(R"({"step": 1, "remove": [1.5]})"),
               HasSubstr("f:2:24: \"remove\" must be a list of ids"));
-  EXPECT_EQ(fault_of(R"({"step": 1, "freeze": [5, 121]})"), "");
-  EXPECT_EQ(fault_of(R"({"step": 1, "freeze": [122]})"),
+  EXPECT_EQ(changes_fault(R"({"step": 1, "freeze": [5, 121]})"), "");
+  EXPECT_EQ(changes_fault(R"({"step": 1, "freeze": [122]})"),
             "f:2:24: body 122 does not exist; ids must be below 122");
-  EXPECT_EQ(fault_of(R"({"step": 1, "freeze": [3, 3]})"),
+  EXPECT_EQ(changes_fault(R"({"step": 1, "freeze": [3, 3]})"),
             "f:2:27: body 3 appears twice in this list; list it once");
-  EXPECT_THAT(fault_of(R"({"step": 1, "freeze": ["3"]})"),
+  EXPECT_THAT(changes_fault(R"({"step": 1, "freeze": ["3"]})"),
               HasSubstr("f:2:24: \"freeze\" must be a list of ids"));
-  EXPECT_EQ(fault_of(R"({"step": 1, "add": [{"motion": "static"}]}, {"step": 2, "freeze": [122]})"),
+  EXPECT_EQ(changes_fault(R"({"step": 1, "add": [{"motion": "static"}]}, {"step": 2, "freeze": [122]})"),
             "f:2:68: body 122 is not dynamic; only dynamic bodies can be frozen");
-  EXPECT_THAT(fault_of(R"({"step": 1, "add": [{"radius": 1}, {"radius": -1}]})"),
+  EXPECT_THAT(changes_fault(R"({"step": 1, "add": [{"radius": 1}, {"radius": -1}]})"),
               HasSubstr("f:2:47: add[1].radius: must lie in"));
-  EXPECT_THAT(fault_of(R"({"step": 1, "add": [{"radius": 1, "material": "wood"}]})"),
+  EXPECT_THAT(changes_fault(R"({"step": 1, "add": [{"radius": 1, "material": "wood"}]})"),
               HasSubstr("f:2:47: unknown material \"wood\""));
-  EXPECT_THAT(fault_of(R"({"step": 1, "add": [{"radius": 1e-9, "mass": 1, "position": [0, 0, 1e10]}]})"),
+  EXPECT_THAT(changes_fault(R"({"step": 1, "add": [{"radius": 1e-9, "mass": 1, "position": [0, 0, 1e10]}]})"),
               HasSubstr("f:2:68: add[0].position[2]: must lie in"));
-  EXPECT_THAT(fault_of(R"({"step": 1, "solver": "impulse"})"), HasSubstr("f:2:23: "));
-  EXPECT_THAT(fault_of(R"({"step": 1, "time_step": 0})"), HasSubstr("f:2:26: time_step: must lie in"));
-  EXPECT_THAT(fault_of(R"({"step": 1, "threads": 2000})"),
+  EXPECT_THAT(changes_fault(R"({"step": 1, "solver": "impulse"})"), HasSubstr("f:2:23: "));
+  EXPECT_THAT(changes_fault(R"({"step": 1, "time_step": 0})"), HasSubstr("f:2:26: time_step: must lie in"));
+  EXPECT_THAT(changes_fault(R"({"step": 1, "threads": 2000})"),
               HasSubstr("f:2:24: \"threads\" must be \"auto\" or a whole number from 1 to 1024"));
-  EXPECT_THAT(fault_of(R"({"step": 1, "broad_phase": "lbvh"})"), HasSubstr("f:2:28: unknown broad phase"));
-  EXPECT_THAT(fault_of(R"({"step": 1, "seed": 4})"),
+  EXPECT_THAT(changes_fault(R"({"step": 1, "broad_phase": "lbvh"})"),
+              HasSubstr("f:2:28: unknown broad phase"));
+  EXPECT_THAT(changes_fault(R"({"step": 1, "seed": 4})"),
               HasSubstr("f:2:1: other bodies or another box need a restart"));
-  EXPECT_THAT(fault_of(R"({"step": 1, "bodies": 4})", 0, false),
+  EXPECT_THAT(changes_fault(R"({"step": 1, "bodies": 4})", 0, false),
               HasSubstr("f:2:23: \"bodies\" needs a scene with one generator; this one has none"));
-  EXPECT_THAT(fault_of(R"({"step": 1, "effects": ["friction"]})"),
+  EXPECT_THAT(changes_fault(R"({"step": 1, "effects": ["friction"]})"),
               HasSubstr("f:2:24: effects: must contain rotation"));
 }
 

@@ -36,8 +36,8 @@ INSTANTIATE_TEST_SUITE_P(Readers, FuzzCorpus,
                          testing::Values(Corpus{"scene", check_scene}, Corpus{"changes", check_changes},
                                          Corpus{"criterion", check_criterion},
                                          Corpus{"snapshot", check_snapshot},
-                                         Corpus{"recording", check_recording},
-                                         Corpus{"object", check_object}),
+                                         Corpus{"recording", check_recording}, Corpus{"object", check_object},
+                                         Corpus{"npy", check_npy}, Corpus{"tree", check_tree}),
                          [](const auto& each) { return each.param.reader; });
 
 /// Reads every scene of the project with few bodies, with the checks of the fuzzers.

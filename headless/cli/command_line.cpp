@@ -190,14 +190,18 @@ void warn_of_old_names(const CLI::App& app, const std::vector<std::string>& argu
 }
 
 void check_operands(const CommandInfo& command, std::span<const Suite> suites,
-                    const std::vector<std::string>& operands, bool loads, std::vector<std::string>& faults) {
+                    const std::vector<std::string>& operands, const CLI::App& app,
+                    std::vector<std::string>& faults) {
+  const bool loads = is_given(app, "--load"), has_boxes = is_given(app, "--boxes");
   const auto required = std::ranges::count_if(command.operands, &Operand::required);
   const auto missing = required - std::ssize(operands);
   if (command.command == Command::bench && operands.empty())
     faults.push_back(fmt::format("bench: missing SUITE, expected one of {}", suite_names(suites)));
   else if (loads && !operands.empty())
     faults.push_back(fmt::format("--load: the snapshot contains its scene; remove {}", shown(operands[0])));
-  else if (!loads && missing > 0)
+  else if (has_boxes && !operands.empty())
+    faults.push_back(fmt::format("--boxes: the boxes replace the scene; remove {}", shown(operands[0])));
+  else if (!loads && !has_boxes && missing > 0)
     faults.push_back(fmt::format("{}: missing {}, expected {} {}", command.name,
                                  missing > 1 ? "two files" : "file", command.name, command.usage()));
 }
@@ -287,7 +291,7 @@ CommandLine parse_command(CLI::App& app, CLI::App& selected, const CommandInfo& 
     else if (extra != "--")
       faults.push_back(fmt::format("{}: unknown flag; see {} --help", shown(extra), command.name));
   }
-  check_operands(command, suites, line.operands, is_given(selected, "--load"), faults);
+  check_operands(command, suites, line.operands, selected, faults);
   take_suite(line, suites, faults);
   for (const Flag& flag : flags())
     if (is_given(selected, flag.name)) check_suite_flag(line, suites, flag, faults);

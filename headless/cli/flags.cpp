@@ -249,6 +249,14 @@ std::vector<Flag> all_flags() {
   add("Benchmarks", benching | grading,
       {{"--methods", "LIST", "comma-separated broad phases [all]",
         list<&word<broad_phase_names>, bench, &BenchRequest::methods>}});
+  add("Benchmarks", grading,
+      {{"--boxes", "FILE.npy",
+        "boxes instead of the scene: a NumPy array of shape (n, 6), min x, y, z, max x, y, z of each box",
+        file<bench, &BenchRequest::boxes>},
+       {"--tree", "FILE.npy",
+        "a tree over --boxes, to measure beside ours: shape (m, 8), box, parent row and box index of each "
+        "node",
+        file<bench, &BenchRequest::tree>}});
   add("Benchmarks", benching | grading | studying,
       {{"--repeats", "K", "repetitions of each measurement [50; accuracy: 3; paper: 20, at most 2 s]",
         repeats}});

@@ -31,6 +31,7 @@ struct ViewRequest {
 /// What only `bench` and `bvh` take; empty lists are the suite's own.
 struct BenchRequest {
   std::vector<std::string> methods;   ///< broad phases
+  std::string boxes, tree;            ///< files of boxes and of a tree over them, or empty
   std::vector<std::string> variants;  ///< of the Box Collider, or crowded scenes (scene/crowded_scenes.h)
   std::vector<std::int64_t> sizes;    ///< numbers of bodies
   std::int64_t repeats = 50;          ///< of what is timed

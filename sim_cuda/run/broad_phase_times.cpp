@@ -22,8 +22,12 @@ std::vector<float> times_of(Executor& executor, int repeats, const std::function
 }  // namespace
 
 BroadPhaseTimes time_broad_phase(Executor& executor, Pipeline& pipeline, int repeats) {
+  return time_broad_phase(
+      executor, [&] { pipeline.find_pairs(); }, repeats);
+}
+
+BroadPhaseTimes time_broad_phase(Executor& executor, const std::function<void()>& find, int repeats) {
   BroadPhaseTimes times;
-  const auto find = [&] { pipeline.find_pairs(); };
   {
     StepGraph plain(executor, false, find);
     times.whole = times_of(executor, repeats, [&] { plain.launch(); });

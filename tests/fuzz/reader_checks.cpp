@@ -14,6 +14,9 @@
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/fingerprint.h"
 #include "sim_cuda/core/hash.h"
+#include "sim_cuda/import/box_file.h"
+#include "sim_cuda/import/npy.h"
+#include "sim_cuda/import/tree_file.h"
 #include "sim_cuda/recording/recording_file.h"
 #include "sim_cuda/scene/mesh.h"
 #include "sim_cuda/scene/scene_file.h"
@@ -208,6 +211,42 @@ void check_object(const std::string& text) {
   expect(std::ranges::all_of(mesh.vertices, is_finite), "a vertex that lies nowhere");
   for (const auto& face : mesh.faces)
     for (const std::uint32_t vertex : face) expect(vertex < mesh.vertices.size(), "a face without a vertex");
+}
+
+void check_npy(const std::string& bytes) {
+  const MemoryFile file(bytes);
+  NpyArray array;
+  if (!reads(file.name(), [&] { array = read_npy(file.name()); })) return;
+  const std::size_t element = array.visit([](const auto* numbers) { return sizeof *numbers; });
+  expect(array.bytes.size() == array.count() * element, "another number of bytes than the shape says");
+  std::vector<Aabb> boxes;
+  if (!reads(file.name(), [&] { boxes = read_boxes(file.name()); })) return;
+  expect(6 * boxes.size() == array.count(), "another number of boxes");
+  for (const Aabb& box : boxes)
+    expect(!is_empty(box) && box.min.allFinite() && box.max.allFinite(), "a box that cannot be used");
+}
+
+void check_tree(const std::string& bytes) {
+  // Eight cubes in a row.
+  std::vector<Aabb> boxes;
+  for (int k = 0; k < 8; ++k) {
+    const auto x = static_cast<float>(k);
+    boxes.push_back({Vector3f(x, 0, 0), Vector3f(x + 1, 1, 1)});
+  }
+  const MemoryFile file(bytes);
+  GivenTree tree;
+  if (!reads(file.name(), [&] { tree = read_tree(file.name(), boxes); })) return;
+  expect(tree.leaf_body.size() == boxes.size() && tree.parent.size() == tree.box.size(),
+         "another number of leaves");
+  for (std::size_t node = 0; node < tree.box.size(); ++node) {
+    std::size_t above = node, steps = 0;
+    while (tree.parent[above] != above && steps++ < tree.box.size()) above = tree.parent[above];
+    expect(tree.parent[above] == above, "a node without a root");
+    const Aabb &inside = tree.box[node], &around = tree.box[tree.parent[node]];
+    expect(
+        (around.min.array() <= inside.min.array()).all() && (around.max.array() >= inside.max.array()).all(),
+        "a node outside of its parent");
+  }
 }
 
 }  // namespace collidoscope

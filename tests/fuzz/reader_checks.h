@@ -23,6 +23,9 @@ void check_recording(const std::string& bytes);
 /// Checks a criterion of changed_scene(), and one of a scene that was not readable.
 void check_criterion(const std::string& text);
 void check_object(const std::string& text);
+/// Checks an array, and its boxes if it has any.
+void check_npy(const std::string& bytes);
+void check_tree(const std::string& bytes);
 
 /// A scene as file text.
 std::string changed_scene();

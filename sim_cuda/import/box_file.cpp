@@ -1,0 +1,62 @@
+#include "sim_cuda/import/box_file.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/import/npy.h"
+#include "sim_cuda/import/outwards.h"
+#include "sim_cuda/scene/limits.h"
+
+namespace collidoscope {
+namespace {
+
+constexpr std::size_t most_faults = 20;
+
+}  // namespace
+
+std::vector<Aabb> read_boxes(const std::string& file) {
+  const NpyArray array = read_npy(file);
+  const std::vector<std::size_t>& shape = array.shape;
+  const bool is_flat = shape.size() == 2 && shape[1] == 6;
+  if (!is_flat && !(shape.size() == 3 && shape[1] == 2 && shape[2] == 3))
+    throw InputError(
+        fmt::format("{}: an array of shape {}, expected (n, 6) or (n, 2, 3): min and max of each box", file,
+                    shape_text(shape)));
+  const std::size_t count = shape[0];
+  if (count < 1 || count > static_cast<std::size_t>(limits::max_bodies))
+    throw InputError(fmt::format("{}: {} boxes, expected 1 to {}", file, count, limits::max_bodies));
+
+  std::vector<Aabb> boxes(count);
+  std::vector<std::string> faults;
+  array.visit([&](const auto* numbers) {
+    // Steps between two rows, between min and max, and between two coordinates.
+    const std::size_t row = array.fortran_order ? 1 : 6;
+    const std::size_t end = !array.fortran_order ? 3 : is_flat ? 3 * count : count;
+    const std::size_t axis = !array.fortran_order ? 1 : is_flat ? count : 2 * count;
+    for (std::size_t i = 0; i < count && faults.size() < most_faults; ++i)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto low = numbers[i * row + k * axis], high = numbers[i * row + end + k * axis];
+        const float min = rounded_outwards(low, -1), max = rounded_outwards(high, 1);
+        boxes[i].min[static_cast<int>(k)] = min;
+        boxes[i].max[static_cast<int>(k)] = max;
+        const auto fault = [&](const char* problem) {
+          faults.push_back(
+              fmt::format("{}: row {}: {} from {} to {} {}", file, i, "xyz"[k], low, high, problem));
+        };
+        if (!std::isfinite(min) || !std::isfinite(max)) {
+          fault("is not finite in single precision");
+          break;
+        }
+        if (low > high) {
+          fault("has min above max");
+          break;
+        }
+      }
+  });
+  if (!faults.empty()) throw InputError(faults);
+  return boxes;
+}
+
+}  // namespace collidoscope

@@ -1,0 +1,64 @@
+#pragma once
+// Reads NumPy files (.npy, formats 1.0 to 3.0) that contain one array of numbers. The file may come from a
+// stranger: every size is checked against the size of the file before memory is taken.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace collidoscope {
+
+struct NpyArray {
+  enum class Element { f32, f64, i8, i16, i32, i64, u8, u16, u32, u64 };
+  Element element = Element::f32;
+  std::vector<std::size_t> shape;  ///< empty: one number
+  bool fortran_order = false;      ///< the first index varies fastest, not the last
+  std::vector<std::byte> bytes;    ///< the numbers, in the byte order of this machine
+
+  std::size_t count() const {
+    std::size_t product = 1;
+    for (const std::size_t extent : shape) product *= extent;
+    return product;
+  }
+
+  /// Returns `visit` of a pointer to the numbers, in their own type.
+  template <class Visit>
+  decltype(auto) visit(const Visit& visit) const {
+    const auto as = [&]<class Number>(Number) -> decltype(auto) {
+      return visit(reinterpret_cast<const Number*>(bytes.data()));
+    };
+    switch (element) {
+      case Element::f32:
+        return as(float{});
+      case Element::f64:
+        return as(double{});
+      case Element::i8:
+        return as(std::int8_t{});
+      case Element::i16:
+        return as(std::int16_t{});
+      case Element::i32:
+        return as(std::int32_t{});
+      case Element::i64:
+        return as(std::int64_t{});
+      case Element::u8:
+        return as(std::uint8_t{});
+      case Element::u16:
+        return as(std::uint16_t{});
+      case Element::u32:
+        return as(std::uint32_t{});
+      case Element::u64:
+        break;
+    }
+    return as(std::uint64_t{});
+  }
+};
+
+/// "(3, 6)".
+std::string shape_text(const std::vector<std::size_t>& shape);
+
+/// Throws InputError: `FILE:byte N: problem, expected value`. Arrays of objects are refused, because they
+/// contain code; so are records and text.
+NpyArray read_npy(const std::string& file);
+
+}  // namespace collidoscope
