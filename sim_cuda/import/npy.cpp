@@ -20,7 +20,7 @@
 namespace collidoscope {
 namespace {
 
-constexpr std::string_view magic = "\x93NUMPY";
+constexpr std::string_view npy_magic = "\x93NUMPY";
 constexpr std::size_t most_header_bytes = 1 << 20;
 constexpr const char* expected_types = "expected floating-point numbers or integers, such as '<f4' or '<f8'";
 
@@ -188,7 +188,7 @@ class NpyFile {
 
   NpyArray read() {
     char start[12] = {};
-    if (bytes_ < 10 || !take(start, 10) || std::string_view(start, magic.size()) != magic)
+    if (bytes_ < 10 || !take(start, 10) || std::string_view(start, npy_magic.size()) != npy_magic)
       fail(0, "no NumPy file", "the bytes \\x93NUMPY");
     const auto byte = [&](std::size_t k) {
       return static_cast<std::size_t>(static_cast<unsigned char>(start[k]));

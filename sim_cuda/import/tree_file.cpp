@@ -12,17 +12,17 @@ namespace collidoscope {
 namespace {
 
 constexpr std::size_t most_tree_faults = 20, most_children = 8;
-constexpr std::size_t columns = 8;
-constexpr std::uint32_t nothing = ~std::uint32_t{0};
+constexpr std::size_t tree_columns = 8;
+constexpr std::uint32_t no_row = ~std::uint32_t{0};
 
 /// Nodes as in the file.
 struct TreeRows {
   std::vector<Aabb> box;
-  std::vector<std::uint32_t> parent, leaf;  ///< `nothing`: the root; an inner node
+  std::vector<std::uint32_t> parent, leaf;  ///< `no_row`: the root; an inner node
   std::size_t size() const { return box.size(); }
 };
 
-bool contains(const Aabb& outer, const Aabb& inner) {
+bool box_contains(const Aabb& outer, const Aabb& inner) {
   return (outer.min.array() <= inner.min.array()).all() && (outer.max.array() >= inner.max.array()).all();
 }
 
@@ -52,7 +52,7 @@ class TreeReader {
 
   void read_rows() {
     const NpyArray array = read_npy(file_);
-    if (array.shape.size() != 2 || array.shape[1] != columns)
+    if (array.shape.size() != 2 || array.shape[1] != tree_columns)
       throw InputError(
           fmt::format("{}: an array of shape {}, expected (m, 8): box, parent and leaf of each node", file_,
                       shape_text(array.shape)));
@@ -66,7 +66,7 @@ class TreeReader {
     array.visit([&](const auto* numbers) {
       for (std::size_t node = 0; node < count; ++node) {
         const auto at = [&](std::size_t column) {
-          return numbers[array.fortran_order ? node + column * count : node * columns + column];
+          return numbers[array.fortran_order ? node + column * count : node * tree_columns + column];
         };
         Aabb& box = rows_.box[node];
         for (int k = 0; k < 3; ++k) {
@@ -82,35 +82,35 @@ class TreeReader {
     });
   }
 
-  /// -1 is `nothing`.
+  /// -1 is `no_row`.
   std::uint32_t index(std::size_t node, const char* what, double value, std::size_t count) {
-    if (value == -1) return nothing;
+    if (value == -1) return no_row;
     if (value >= 0 && value < static_cast<double>(count) && value == std::floor(value))
       return static_cast<std::uint32_t>(value);
     fault(fmt::format("node {}: {} {}, expected -1 or a whole number below {}", node, what, value, count));
-    return nothing;
+    return no_row;
   }
 
   void find_root_and_leaves() {
-    leaf_of_.assign(boxes_.size(), nothing);
+    leaf_of_.assign(boxes_.size(), no_row);
     for (std::uint32_t node = 0; node < rows_.size(); ++node) {
-      if (rows_.parent[node] == nothing) {
-        if (root_ == nothing)
+      if (rows_.parent[node] == no_row) {
+        if (root_ == no_row)
           root_ = node;
         else
           fault(fmt::format("node {}: a second root beside node {}, expected one node with parent -1", node,
                             root_));
       }
       const std::uint32_t leaf = rows_.leaf[node];
-      if (leaf == nothing) continue;
-      if (leaf_of_[leaf] == nothing)
+      if (leaf == no_row) continue;
+      if (leaf_of_[leaf] == no_row)
         leaf_of_[leaf] = node;
       else
         fault(fmt::format("node {}: box {} is already that of node {}", node, leaf, leaf_of_[leaf]));
     }
-    if (root_ == nothing) fault("no root, expected one node with parent -1");
+    if (root_ == no_row) fault("no root, expected one node with parent -1");
     for (std::size_t box = 0; box < boxes_.size(); ++box)
-      if (leaf_of_[box] == nothing) fault(fmt::format("no node has box {}", box));
+      if (leaf_of_[box] == no_row) fault(fmt::format("no node has box {}", box));
   }
 
   /// Children of a node: child_[first_[node]] to child_[first_[node + 1] - 1], by row.
@@ -128,14 +128,14 @@ class TreeReader {
   void check_boxes() {
     for (std::uint32_t node = 0; node < rows_.size(); ++node) {
       const std::uint32_t children = first_[node + 1] - first_[node], leaf = rows_.leaf[node];
-      if (leaf != nothing && children > 0)
+      if (leaf != no_row && children > 0)
         fault(fmt::format("node {}: a leaf with {} children", node, children));
-      if (leaf == nothing && children == 0) fault(fmt::format("node {}: neither a box nor children", node));
+      if (leaf == no_row && children == 0) fault(fmt::format("node {}: neither a box nor children", node));
       if (children > most_children)
         fault(fmt::format("node {}: {} children, expected at most {}", node, children, most_children));
-      if (leaf != nothing && !contains(rows_.box[node], boxes_[leaf]))
+      if (leaf != no_row && !box_contains(rows_.box[node], boxes_[leaf]))
         fault(fmt::format("node {}: does not contain box {}", node, leaf));
-      if (node != root_ && !contains(rows_.box[rows_.parent[node]], rows_.box[node]))
+      if (node != root_ && !box_contains(rows_.box[rows_.parent[node]], rows_.box[node]))
         fault(fmt::format("node {}: is not inside its parent {}", node, rows_.parent[node]));
     }
   }
@@ -148,7 +148,7 @@ class TreeReader {
       const std::uint32_t node = stack.back();
       stack.pop_back();
       reached[node] = true;
-      if (rows_.leaf[node] != nothing) leaves.push_back(node);
+      if (rows_.leaf[node] != no_row) leaves.push_back(node);
       for (std::uint32_t k = first_[node + 1]; k > first_[node]; --k) stack.push_back(child_[k - 1]);
     }
     for (std::size_t node = 0; node < rows_.size(); ++node)
@@ -158,19 +158,19 @@ class TreeReader {
   }
 
   GivenTree in_order(const std::vector<std::uint32_t>& leaves) const {
-    std::vector<std::uint32_t> number(rows_.size(), nothing);
+    std::vector<std::uint32_t> number(rows_.size(), no_row);
     std::uint32_t next = 0;
     for (const std::uint32_t node : leaves) number[node] = next++;
-    if (number[root_] == nothing) number[root_] = next++;
+    if (number[root_] == no_row) number[root_] = next++;
     for (std::uint32_t& place : number)
-      if (place == nothing) place = next++;
+      if (place == no_row) place = next++;
     GivenTree tree;
     tree.box.resize(rows_.size());
     tree.parent.resize(rows_.size());
     for (const std::uint32_t node : leaves) tree.leaf_body.push_back(rows_.leaf[node]);
     for (std::uint32_t node = 0; node < rows_.size(); ++node) {
       const std::uint32_t leaf = rows_.leaf[node];
-      tree.box[number[node]] = leaf != nothing ? boxes_[leaf] : rows_.box[node];
+      tree.box[number[node]] = leaf != no_row ? boxes_[leaf] : rows_.box[node];
       tree.parent[number[node]] = number[node == root_ ? node : rows_.parent[node]];
     }
     return tree;
@@ -180,7 +180,7 @@ class TreeReader {
   const std::vector<Aabb>& boxes_;
   std::vector<std::string> faults_;
   TreeRows rows_;
-  std::uint32_t root_ = nothing;
+  std::uint32_t root_ = no_row;
   std::vector<std::uint32_t> leaf_of_, first_, child_;
 };
 

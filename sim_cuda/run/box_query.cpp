@@ -9,7 +9,7 @@
 namespace collidoscope {
 namespace {
 
-Aabb extent_of(const std::vector<Aabb>& boxes) {
+Aabb extent_of_boxes(const std::vector<Aabb>& boxes) {
   Aabb extent = Aabb::empty();
   for (const Aabb& box : boxes) extent = combine(extent, box);
   return extent;
@@ -24,13 +24,13 @@ RunOptions with_key_bits_of_boxes(RunOptions options, const std::vector<Aabb>& b
     bodies.position.push_back((min + max) / 2);
     bodies.radius.push_back(std::max((max - min).maxCoeff() / 2, 1e-30));
   }
-  const Aabb extent = extent_of(boxes);
+  const Aabb extent = extent_of_boxes(boxes);
   bodies.box = Box{extent.min.cast<double>(), extent.max.cast<double>()};
   options.key_bits = automatic_key_bits(bodies, bodies.position, options.sort);
   return options;
 }
 
-constexpr std::int64_t most_pairs = (std::int64_t{1} << 31) - 1;
+constexpr std::int64_t most_listed_pairs = (std::int64_t{1} << 31) - 1;
 
 }  // namespace
 
@@ -44,7 +44,7 @@ BoxQuery::BoxQuery(RunOptions options, const std::vector<Aabb>& boxes)
       cache_(executor_, count_) {
   executor_.set_shapes(options.shape, options.stage_shapes);
   boxes_.upload(boxes);
-  extent_.upload({extent_of(boxes)});
+  extent_.upload({extent_of_boxes(boxes)});
   control_.upload({StepControl{}});
   pairs_.reserve(count_, std::max<std::int64_t>(1024, 4 * count_));
   const std::int64_t before = executor_.allocated_bytes();
@@ -65,9 +65,9 @@ BoxPairs BoxQuery::find() {
     control = control_.download()[0];
     if (!control.overflow) break;
     const auto needed = static_cast<std::int64_t>(control.pairs_needed);
-    if (needed > most_pairs)
+    if (needed > most_listed_pairs)
       throw MachineError(std::to_string(needed) + " pairs of boxes; a list has at most " +
-                         std::to_string(most_pairs));
+                         std::to_string(most_listed_pairs));
     pairs_.reserve(count_, needed);
     control_.upload({StepControl{}});
   }
