@@ -40,10 +40,10 @@ bool compares_all(const std::string& name) {
   return method != nullptr && (method->ns_of_comparison > 0 || name == "bvh_input_order");
 }
 
-/// s, of one search by comparing all pairs.
+/// s, of one search by brute force.
 double comparison_seconds(std::size_t boxes, double equal_cores) {
   const auto n = static_cast<double>(boxes);
-  return 3e-9 * n * (n - 1) / 2 / equal_cores;
+  return 1e-9 * find_broad_phase("brute_force")->ns_of_comparison * n * (n - 1) / 2 / equal_cores;
 }
 
 std::string examples_text(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) {

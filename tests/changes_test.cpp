@@ -321,7 +321,7 @@ TEST(Change, FaultsSayWhereAndWhat) {
       HasSubstr(
           "f:2:23: changes must be in ascending order of \"step\"; the change before this one has step 9"));
   EXPECT_THAT(changes_fault(R"({"step": 9})", 20), HasSubstr("f:2:10: lies before state 20"));
-  EXPECT_EQ(changes_fault(R"({"step": 0}, {"step": 9})", 20), "") << "it begins anew";
+  EXPECT_EQ(changes_fault(R"({"step": 0}, {"step": 9})", 20), "") << "a list from state 0";
   EXPECT_THAT(changes_fault(R"({"step": 1, "bodis": 5})"), HasSubstr("did you mean \"bodies\"?"));
   EXPECT_EQ(changes_fault(R"({"step": 1, "remove": [122]})"),
             "f:2:24: body 122 does not exist; ids must be below 122");

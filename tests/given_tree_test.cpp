@@ -140,7 +140,7 @@ TEST_P(GivenTrees, ViolationsNameTheirNode) {
             "node 0: cannot be reached from the root, node 2\n"
             "node 1: cannot be reached from the root, node 2\n"
             "node 3: cannot be reached from the root, node 2\n");
-  EXPECT_THAT(changed(4, 6, 5), HasSubstr("node 5: a leaf with 1 children\n"));
+  EXPECT_THAT(changed(4, 6, 5), HasSubstr("node 5: has a box and children\n"));
   EXPECT_EQ(changed(0, 0, std::nan("")),
             "node 0: a box with min above max, or not finite in single precision\n");
   std::vector<TreeRow> rows{inner(0, 10, -1)};

@@ -87,18 +87,18 @@ TEST_F(Npy, HasAnyFormatAndLayoutOfItsHeader) {
 }
 
 TEST_F(Npy, IsRefusedWithThePlaceOfItsFault) {
-  EXPECT_EQ(refusal("PK\3\4 is a zip file"), "byte 0: no NumPy file, expected the bytes \\x93NUMPY");
+  EXPECT_EQ(refusal("PK\3\4 is a zip file"), " byte 0: no NumPy file, expected the bytes \\x93NUMPY");
   EXPECT_EQ(
       refusal(npy_bytes(header("|O", "(1,)"), std::string(8, '\0'))),
-      "byte 20: an array of objects, which can contain code, expected floating-point numbers or integers, "
+      " byte 20: an array of objects, which can contain code, expected floating-point numbers or integers, "
       "such as '<f4' or '<f8'");
   EXPECT_THAT(
       refusal(npy_bytes("{'descr': [('x', '<f4')], 'fortran_order': False, 'shape': (1,), }", "1234")),
-      testing::StartsWith("byte 20: an array of records, expected "));
+      testing::StartsWith(" byte 20: an array of records, expected "));
   EXPECT_THAT(refusal(npy_bytes(header("<c8", "(1,)"), std::string(8, '\0'))),
-              testing::StartsWith("byte 20: an unknown type of numbers, expected "));
+              testing::StartsWith(" byte 20: an unknown type of numbers, expected "));
   EXPECT_EQ(refusal(npy_bytes(header("<f4", "(3,)"), "12345678")),
-            "byte 128: 8 bytes of numbers, expected 12 for an array of shape (3,)");
+            " byte 128: 8 bytes of numbers, expected 12 for an array of shape (3,)");
   EXPECT_THAT(refusal(npy_bytes(header("<f4", "(3,)"), std::string(16, ' '))),
               testing::HasSubstr("16 bytes"));
   // Products beyond 64 bits take no memory.
@@ -116,7 +116,7 @@ TEST_F(Npy, IsRefusedWithThePlaceOfItsFault) {
   EXPECT_THAT(refusal(npy_bytes("{'descr': '<f4', 'code': 1}", "1234")), testing::HasSubstr("unknown key"));
   std::string bytes = npy_bytes(header("<f4", "(1,)"), "1234");
   bytes[6] = 9;
-  EXPECT_EQ(refusal(bytes), "byte 6: format 9, expected format 1, 2 or 3");
+  EXPECT_EQ(refusal(bytes), " byte 6: format 9, expected format 1, 2 or 3");
   // All beginnings of a file.
   bytes = npy_bytes(header("<f4", "(1,)"), "1234");
   for (std::size_t length = 0; length < bytes.size(); ++length)

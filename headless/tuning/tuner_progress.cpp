@@ -10,6 +10,7 @@
 #include "headless/tuning/tuned_run.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/scene/text_file.h"
+#include "sim_cuda/tuning/tuned_file.h"
 #include "sim_cuda/tuning/tuning_text.h"
 
 namespace collidoscope {
@@ -70,19 +71,11 @@ TunerRecord parse_progress_record(const ProgressJson& json) {
 }  // namespace
 
 ProgressJson search_identity(World& world, int confirmation_pairs) {
-  const TuningConditions& c = world.tuning_conditions();
-  return {{"scene", c.scene},
-          {"bodies", c.bodies},
+  TunedShapes shapes;
+  shapes.conditions = world.tuning_conditions();
+  return {{"conditions", ProgressJson::parse(write_tuned({shapes}))["results"][0]},
           {"state", world.steps()},
           {"state_hash", fmt::format("{:016x}", world.state_hash())},
-          {"device", c.device},
-          {"driver", c.driver},
-          {"build", c.build},
-          {"cpu_threads", c.cpu_threads},
-          {"broad_phase", c.broad_phase},
-          {"solver", c.solver},
-          {"precision", c.precision},
-          {"effects", c.effects},
           {"reference", shape_text(world.launch_shape())},
           {"stage_shapes", stage_shapes_text(world.options().stage_shapes)},
           {"confirmation_pairs", confirmation_pairs}};

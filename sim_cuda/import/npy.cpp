@@ -71,7 +71,7 @@ class NpyHeader {
   const std::vector<std::size_t>& shape() const { return shape_; }
 
   [[noreturn]] void fail(std::size_t at, const std::string& problem, const std::string& expected) const {
-    throw InputError(fmt::format("{}:byte {}: {}, expected {}", file_, begin_ + at, problem, expected));
+    throw InputError(fmt::format("{}: byte {}: {}, expected {}", file_, begin_ + at, problem, expected));
   }
 
  private:
@@ -104,7 +104,7 @@ class NpyHeader {
     skip_spaces();
     const std::size_t type_at = at_;
     const auto refuse = [&](const std::string& what) {
-      throw InputError(fmt::format("{}:byte {}: {}, {}", file_, begin_ + type_at, what, expected_types));
+      throw InputError(fmt::format("{}: byte {}: {}, {}", file_, begin_ + type_at, what, expected_types));
     };
     if (peek_is('[')) refuse("an array of records");
     const std::string_view name = text_in_quotes("the type in quotes");
@@ -231,7 +231,7 @@ class NpyFile {
  private:
   bool take(void* to, std::size_t bytes) { return std::fread(to, 1, bytes, stream_.get()) == bytes; }
   [[noreturn]] void fail(std::size_t at, const std::string& problem, const std::string& expected) const {
-    throw InputError(fmt::format("{}:byte {}: {}, expected {}", name_, at, problem, expected));
+    throw InputError(fmt::format("{}: byte {}: {}, expected {}", name_, at, problem, expected));
   }
 
   const std::string& name_;

@@ -57,7 +57,7 @@ struct NpyArray {
 /// "(3, 6)".
 std::string shape_text(const std::vector<std::size_t>& shape);
 
-/// Throws InputError: `FILE:byte N: problem, expected value`. Arrays of objects are refused, because they
+/// Throws InputError: `FILE: byte N: problem, expected value`. Arrays of objects are refused, because they
 /// contain code; so are records and text.
 NpyArray read_npy(const std::string& file);
 

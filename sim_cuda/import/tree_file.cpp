@@ -128,8 +128,7 @@ class TreeReader {
   void check_boxes() {
     for (std::uint32_t node = 0; node < rows_.size(); ++node) {
       const std::uint32_t children = first_[node + 1] - first_[node], leaf = rows_.leaf[node];
-      if (leaf != no_row && children > 0)
-        fault(fmt::format("node {}: a leaf with {} children", node, children));
+      if (leaf != no_row && children > 0) fault(fmt::format("node {}: has a box and children", node));
       if (leaf == no_row && children == 0) fault(fmt::format("node {}: neither a box nor children", node));
       if (children > most_children)
         fault(fmt::format("node {}: {} children, expected at most {}", node, children, most_children));
