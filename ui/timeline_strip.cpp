@@ -167,6 +167,7 @@ void draw_timeline_strip(Workspace& workspace, const WorkspaceView& view) {
   ImGui::InvisibleButton("##timeline", {std::max(width, 1.0f), std::max(height - other, 1.0f)});
   const bool active = ImGui::IsItemActive(), hovered = ImGui::IsItemHovered();
   track(workspace, "timeline.strip", {axis.left, at.y, axis.width, height - other});
+  if (ImGui::IsItemClicked()) workspace.pressed = "timeline.strip";
   ImDrawList* list = ImGui::GetWindowDrawList();
   list->PushClipRect(at, {at.x + width, at.y + height}, true);
   const float top = at.y + marks, lane = (height - other - marks) / 3;
