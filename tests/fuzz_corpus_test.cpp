@@ -37,7 +37,8 @@ INSTANTIATE_TEST_SUITE_P(Readers, FuzzCorpus,
                                          Corpus{"criterion", check_criterion},
                                          Corpus{"snapshot", check_snapshot},
                                          Corpus{"recording", check_recording}, Corpus{"object", check_object},
-                                         Corpus{"npy", check_npy}, Corpus{"tree", check_tree}),
+                                         Corpus{"npy", check_npy}, Corpus{"tree", check_tree},
+                                         Corpus{"table", check_table}, Corpus{"robot", check_robot}),
                          [](const auto& each) { return each.param.reader; });
 
 /// Reads every scene of the project with few bodies, with the checks of the fuzzers.

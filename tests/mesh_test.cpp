@@ -56,6 +56,89 @@ TEST(Mesh, AllFormsOfFacesMeanTheSame) {
   EXPECT_EQ(other.volume, plain.volume);
 }
 
+/// The tetrahedron's faces, as corners.
+std::vector<std::array<Vector3d, 3>> facets() {
+  const Vector3d o(0, 0, 0), a(2, 0, 0), b(0, 3, 0), c(0, 0, 7);
+  return {{o, b, a}, {o, a, c}, {o, c, b}, {a, b, c}};
+}
+void expect_tetrahedron(const std::string& text) {
+  const Mesh mesh = parse(text), plain = parse(tetrahedron);
+  EXPECT_EQ(mesh.vertices.size(), 4u);
+  EXPECT_EQ(mesh.faces.size(), 4u);
+  EXPECT_NEAR(mesh.volume, plain.volume, 1e-14);
+  EXPECT_TRUE(mesh.center.isApprox(plain.center, 1e-14));
+  EXPECT_TRUE(mesh.inertia_per_density.isApprox(plain.inertia_per_density, 1e-13));
+}
+template <class Number>
+std::string bytes_of(Number number) {
+  return {reinterpret_cast<const char*>(&number), sizeof number};
+}
+std::string binary_stl() {
+  std::string text(80, ' ');
+  text += bytes_of(std::uint32_t{4});
+  for (const auto& facet : facets()) {
+    text += std::string(12, '\0');
+    for (const Vector3d& corner : facet)
+      for (int k = 0; k < 3; ++k) text += bytes_of(static_cast<float>(corner[k]));
+    text += std::string(2, '\0');
+  }
+  return text;
+}
+std::string text_stl() {
+  std::string text = "solid a name\n";
+  for (const auto& facet : facets()) {
+    text += " facet normal 0 0 0\n  outer loop\n";
+    for (const Vector3d& corner : facet)
+      text += "   vertex " + std::to_string(corner.x()) + " " + std::to_string(corner.y()) + " " +
+              std::to_string(corner.z()) + "\n";
+    text += "  endloop\n endfacet\n";
+  }
+  return text + "endsolid a name\n";
+}
+
+TEST(Mesh, OfStlIsTheSame) {
+  expect_tetrahedron(binary_stl());
+  expect_tetrahedron(text_stl());
+}
+
+TEST(Mesh, OfPlyIsTheSame) {
+  const std::string header =
+      "element vertex 4\nproperty double x\nproperty double y\nproperty double z\nelement face 4\n"
+      "property list uchar int vertex_indices\nproperty uchar flag\nend_header\n";
+  expect_tetrahedron("ply\nformat ascii 1.0\n" + header +
+                     "0 0 0\n2 0 0\n0 3 0\n0 0 7\n3 0 2 1 9\n3 0 1 3 9\n3 0 3 2 9\n3 1 2 3 9\n");
+  std::string binary = "ply\nformat binary_little_endian 1.0\n" + header;
+  for (const double x : {0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0, 7}) binary += bytes_of(x);
+  for (const auto& face : {std::array{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}) {
+    binary += '\3';
+    for (const int index : face) binary += bytes_of(index);
+    binary += '\0';
+  }
+  expect_tetrahedron(binary);
+}
+
+TEST(Mesh, FaultsOfStlAndPlyNameTheFacet) {
+  std::string open = binary_stl();
+  open.resize(open.size() - 50);
+  open[80] = 3;
+  EXPECT_THAT(faults_of(open)[0],
+              testing::HasSubstr("m.obj: facet 1: the edge from vertex 2 to 3 belongs only to this face"));
+  const std::string text = text_stl();
+  EXPECT_EQ(faults_of(text.substr(0, text.find("endloop", 200)))[0],
+            "m.obj:7:1: the edge from vertex 1 to 2 belongs only to this face, so the surface is open; close "
+            "it (vertices "
+            "at the same position must be merged)");
+  std::string bad = text;
+  bad.replace(bad.find("vertex 0"), 8, "vertex a");
+  EXPECT_EQ(faults_of(bad)[0],
+            "m.obj:4:1: damaged vertex, expected three lines `vertex x y z` between outer loop and endloop");
+  EXPECT_EQ(faults_of("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nelement face 1\n"
+                      "property list uchar int vertex_indices\nend_header\n1\n3 0 0 0\n")[0],
+            "m.obj: byte 129: a face with the same vertex twice, expected each vertex once");
+  EXPECT_THAT(faults_of("ply\nformat ascii 1.0\nelement vertex 9999\nproperty float x\nend_header\n1\n")[0],
+              testing::HasSubstr("9999 elements vertex, expected a longer file"));
+}
+
 TEST(Mesh, PolygonsAreFanned) {
   const Mesh block = read_mesh(project_file("assets/scenes/meshes/l_block.obj").string(), "l");
   EXPECT_EQ(block.faces.size(), 20u);
@@ -143,7 +226,8 @@ TEST(Mesh, MissingFileAndFolder) {
     read_mesh(folder.path().string(), "n");
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("is a folder; give the path of a closed mesh (.obj)"));
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("is a folder; give the path of a closed mesh (OBJ, STL or PLY)"));
   }
 }
 

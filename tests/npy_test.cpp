@@ -41,7 +41,9 @@ class Npy : public testing::Test {
     }
     return "";
   }
-  std::string refusal(const std::string& bytes) { return refusal(bytes, read_npy); }
+  std::string refusal(const std::string& bytes) {
+    return refusal(bytes, [](const std::string& file) { return read_npy(file); });
+  }
 
   TemporaryFolder folder_;
 };

@@ -224,6 +224,52 @@ class XServer {
     function<decltype(XSync)>("XSync")(display_, False);
   }
 
+  /// The source's side of drag and drop in X11: XDND, version 5.
+  void drop(::Window target, int x, int y, const std::string& path) {
+    const auto atom = [this](const char* name) {
+      return function<decltype(XInternAtom)>("XInternAtom")(display_, name, False);
+    };
+    const ::Window source = function<decltype(XCreateSimpleWindow)>("XCreateSimpleWindow")(
+        display_, DefaultRootWindow(display_), 0, 0, 1, 1, 0, 0, 0);
+    const Atom selection = atom("XdndSelection"), type = atom("text/uri-list");
+    function<decltype(XSetSelectionOwner)>("XSetSelectionOwner")(display_, selection, source, CurrentTime);
+    const auto send = [&](const char* message, long second, long third, long fourth, long fifth) {
+      XEvent event{};
+      event.xclient.type = ClientMessage;
+      event.xclient.window = target;
+      event.xclient.message_type = atom(message);
+      event.xclient.format = 32;
+      const long words[] = {static_cast<long>(source), second, third, fourth, fifth};
+      std::copy(std::begin(words), std::end(words), event.xclient.data.l);
+      function<decltype(XSendEvent)>("XSendEvent")(display_, target, False, NoEventMask, &event);
+    };
+    send("XdndEnter", 5L << 24, static_cast<long>(type), 0, 0);
+    send("XdndPosition", 0, static_cast<long>(x) << 16 | y, CurrentTime,
+         static_cast<long>(atom("XdndActionCopy")));
+    send("XdndDrop", 0, CurrentTime, 0, 0);
+    const std::string uri = "file://" + path + "\r\n";
+    while (true) {  // the program's alarm ends a window that does not answer
+      XEvent event{};
+      function<decltype(XNextEvent)>("XNextEvent")(display_, &event);
+      if (event.type == SelectionRequest) {
+        const XSelectionRequestEvent& request = event.xselectionrequest;
+        function<decltype(XChangeProperty)>("XChangeProperty")(
+            display_, request.requestor, request.property, request.target, 8, PropModeReplace,
+            reinterpret_cast<const unsigned char*>(uri.data()), static_cast<int>(uri.size()));
+        XEvent answer{};
+        answer.xselection.type = SelectionNotify;
+        answer.xselection.requestor = request.requestor;
+        answer.xselection.selection = request.selection;
+        answer.xselection.target = request.target;
+        answer.xselection.property = request.property;
+        answer.xselection.time = request.time;
+        function<decltype(XSendEvent)>("XSendEvent")(display_, request.requestor, False, NoEventMask,
+                                                     &answer);
+      }
+      if (event.type == ClientMessage && event.xclient.message_type == atom("XdndFinished")) return;
+    }
+  }
+
   std::size_t colors_of(::Window window) {
     XWindowAttributes size{};
     function<decltype(XGetWindowAttributes)>("XGetWindowAttributes")(display_, window, &size);
@@ -256,6 +302,12 @@ unsigned long WindowDriver::window() {
   unsigned long window = 0;
   if (!(found >> window)) throw std::runtime_error("the window is not to be seen");
   return window;
+}
+
+void WindowDriver::drop_file(const std::string& path) {
+  const Json& rect = frame()["widgets"]["scene"];
+  XServer(display_).drop(window(), x_ + static_cast<int>(rect[0].get<double>() + 0.5 * rect[2].get<double>()),
+                         y_ + static_cast<int>(rect[1].get<double>() + 0.5 * rect[3].get<double>()), path);
 }
 
 void WindowDriver::press_close_button() { XServer(display_).ask_to_close(window()); }

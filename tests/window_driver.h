@@ -43,6 +43,8 @@ class WindowDriver {
   bool running();
   /// Closes the window as Ctrl+C does; returns the exit status.
   int end();
+  /// Drops a file on the middle of the window, as a file manager does.
+  void drop_file(const std::string& path);
   /// Presses the close button; returns at once.
   void press_close_button();
   /// Returns the seconds until the program ends, with its exit status in `status`; -1 after `most` seconds.

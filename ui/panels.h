@@ -28,6 +28,8 @@ void draw_tree_panel(Workspace& workspace,
 void draw_inspector_panel(Workspace& workspace, const WorkspaceView& view);  ///< the selected body
 void draw_graphs_panel(Workspace& workspace,
                        const WorkspaceView& view);  ///< plots over time, in the bottom strip
+/// The choice of columns, over the 3D view.
+void draw_columns_dialog(Workspace& workspace);
 void draw_timeline_strip(Workspace& workspace,
                          const WorkspaceView& view);  ///< the whole run, over the graphs
 float timeline_strip_height(float font_size);

@@ -158,6 +158,7 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
       draw_graphs_panel(workspace, view);
     });
   window("status", layout.status, false, [&] { draw_status_line(workspace, view); });
+  draw_columns_dialog(workspace);
   draw_stop_bar(workspace, view);
   draw_error_bar(workspace);
   draw_help(workspace);

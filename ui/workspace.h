@@ -24,6 +24,7 @@
 #include "sim_cuda/solver/residual.h"
 #include "ui/accuracy_view.h"
 #include "ui/break_view.h"
+#include "ui/columns_dialog.h"
 #include "ui/effect_view.h"
 #include "ui/hard_cases_view.h"
 #include "ui/launch_map_view.h"
@@ -165,6 +166,8 @@ struct Workspace {
     font_scale = std::clamp(acts * factor, 0.6f, std::max(largest_font_scale, 1.0f));
   }
 
+  ColumnsDialog columns;            ///< of a file of bodies that is being opened
+  bool columns_requested = false;   ///< request: choose the columns of the file anew
   std::vector<std::string> errors;  ///< shown until dismissed
   std::string notice;               ///< message about the last action, shown for some seconds
 
@@ -178,7 +181,8 @@ struct Workspace {
 /// State of the run for one draw. Pointers must stay valid during the draw.
 struct WorkspaceView {
   std::string scene;
-  bool generated = false;  ///< the scene has exactly one generator, whose settings can be changed
+  bool has_body_file = false;  ///< the bodies are those of a file, and its columns can be chosen
+  bool generated = false;      ///< the scene has exactly one generator, whose settings can be changed
   Settings active_settings;
   double greatest_radius =
       limits::max_radius;  ///< m, largest allowed max radius: the spheres must fit in the box

@@ -10,6 +10,7 @@
 #include "headless/cli/tuned_option.h"
 #include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/body_count.h"
 #include "sim_cuda/scene/box_collider.h"
 #include "ui/colored_levels.h"
 #include "ui/widgets.h"
@@ -75,6 +76,7 @@ App::App(const Start& start, const Options& options)
   workspace_.settings = known_settings_ = live_.settings();
   workspace_.has_timeline = true;
   if (!live_.world().initial().meshes.empty()) show_notice("mesh bodies collide as their bounding spheres");
+  take_frames(start);
 }
 
 /// Makes the world, which may take long. Shows a message meanwhile; closing the window cancels it.
@@ -84,8 +86,7 @@ World App::make_world(const Start& start) {
       window_.poll();
       if (window_.closing()) cancellation->request();
     });
-  std::int64_t bodies = std::ssize(start.scene.bodies) + std::ssize(start.scene.extra_bodies);
-  for (const BoxCollider& generator : start.scene.generators) bodies += generator.count;
+  const std::int64_t bodies = bodies_of(start.scene);
   constexpr std::int64_t many = 20'000;
   if (bodies < many && !needs_presimulation(start.scene)) return start.world(options_.run);
   const std::string text = fmt::format("preparing {} bodies ...", grouped_number(bodies));

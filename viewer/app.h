@@ -113,6 +113,12 @@ class App {
   void handle_stop_request();
   bool is_blocked_by_stop();
 
+  // Files that are dropped on the window (app_files.cpp).
+  void open_dropped_files();
+  void open_files(CommandLine line);
+  void follow_columns();
+  void take_frames(const Start& start);
+
   // Hard cases (app_hard_cases.cpp).
   bool shows_hard_cases() const {
     return workspace_.visible_panels.right && workspace_.visible_panels.hard_cases;

@@ -52,6 +52,7 @@ void App::show_another_scene() {
   workspace_.tree.node.reset();
   workspace_.follow = false;
   scene_.forget_camera();
+  window_.set_title("Collidoscope · " + live_.world().scene().name);
 }
 
 }  // namespace collidoscope

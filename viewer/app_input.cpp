@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "viewer/app.h"
 #include "viewer/view/camera_control.h"
@@ -127,6 +128,7 @@ void App::handle_key(const InputEvent& event) {
       break;
     case GLFW_KEY_ESCAPE:
       if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup)) break;  // Escape closes the popup
+      if (std::exchange(workspace_.columns.open, false)) break;
       if (work_in_progress_ || presimulating_) {
         cancel_work();
         break;

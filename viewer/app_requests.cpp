@@ -48,6 +48,8 @@ void App::handle_requests() {
   with_error_bar([&] { measure_accuracy(); });
   with_error_bar([&] { measure_launch_map(); });
   with_error_bar([&] { follow_hard_cases(); });
+  with_error_bar([&] { open_dropped_files(); });
+  with_error_bar([&] { follow_columns(); });
 }
 
 void App::go_to_requested_state() {

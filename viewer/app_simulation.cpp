@@ -27,7 +27,8 @@ bool App::needs_world() const {
       w.recording_requested || w.projectile_requested || w.removal_requested || w.state_request ||
       w.step_requests > 0 || w.other_run_requested || w.reference_requested || w.tree.node || w.tree.rank ||
       w.camera_request == CameraRequest::frame_all || w.camera_request == CameraRequest::frame_selection ||
-      w.breaks.stop != StopRequest::none;
+      w.breaks.stop != StopRequest::none || !window_.dropped_files().empty() || w.columns.open ||
+      w.columns_requested;
   const bool measured = panels.right && (panels.tree || panels.effects || panels.accuracy ||
                                          panels.launch_map || panels.hard_cases);
   return !w.playing || requested || measured || w.adjusting_result || w.layers.needs_reference() ||

@@ -101,6 +101,9 @@ void Window::install_callbacks() {
     event.y = y;
     of(w).events_.push_back(event);
   });
+  glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
+    of(w).dropped_files_.assign(paths, paths + count);
+  });
   glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int gained) {
     InputEvent event{InputEvent::Kind::focus};
     event.down = gained != 0;
@@ -143,6 +146,8 @@ std::string Window::clipboard() const {
   const char* text = glfwGetClipboardString(window_);
   return text ? text : "";
 }
+
+void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 
 void Window::set_clipboard(const std::string& text) { glfwSetClipboardString(window_, text.c_str()); }
 

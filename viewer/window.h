@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <string>
+#include <vector>
 
 struct GLFWwindow;
 
@@ -42,6 +43,10 @@ class Window {
   float content_scale() const;
 
   std::deque<InputEvent>& events() { return events_; }
+  /// Paths of files that were dropped on the window.
+  const std::vector<std::string>& dropped_files() const { return dropped_files_; }
+  void forget_dropped_files() { dropped_files_.clear(); }
+  void set_title(const std::string& title);
   std::string clipboard() const;
   void set_clipboard(const std::string& text);
 
@@ -51,6 +56,7 @@ class Window {
 
   GLFWwindow* window_ = nullptr;
   std::deque<InputEvent> events_;
+  std::vector<std::string> dropped_files_;
 };
 
 }  // namespace collidoscope

@@ -9,6 +9,7 @@
 #include "headless/cli/flag_value.h"
 #include "sim_cuda/changes/changes.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/import/table_file.h"
 #include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
@@ -19,8 +20,10 @@ struct Operand {
   const char* help;
   bool required = true, many = false;
 };
-constexpr Operand scene_operand{"SCENE",
-                                "scene file, or name of a scene in assets/scenes or assets/scenes/analytic"};
+constexpr Operand scene_operand{
+    "SCENE",
+    "scene file, or name of a scene in assets/scenes or assets/scenes/analytic; or bodies of "
+    "another program: NPY, NPZ, CSV, XYZ, LAMMPS dump, PLY, OBJ, STL, URDF, MJCF"};
 constexpr Operand optional_scene{scene_operand.name, scene_operand.help, false};
 struct CommandInfo {
   std::string name;
@@ -324,13 +327,17 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments, std::s
 }
 
 CommandLine parse_viewer_line(const std::vector<std::string>& arguments) {
-  const CommandInfo viewer{"collidoscope", Command::view, "The window.", {optional_scene}};
+  const CommandInfo viewer{"collidoscope",
+                           Command::view,
+                           "The window.",
+                           {{optional_scene.name, optional_scene.help, false, true}}};
   CLI::App app("Collidoscope in a window.", viewer.name);
   set_up(app);
   app.set_version_flag("--version", "collidoscope " COLLIDOSCOPE_VERSION, "print the version and exit");
   CommandLine line = parse_command(app, app, viewer, arguments, {});
   if (line.text.empty() && line.operands.empty() && line.options.load.empty())
     line.operands.emplace_back("box_collider");
+  if (line.operands.size() > 1) sort_by_numbers(line.operands);  // a shell has 10 before 2
   return line;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "headless/cli/options.h"
+#include "sim_cuda/import/body_table.h"
 #include "sim_cuda/recording/recording_file.h"
 #include "sim_cuda/snapshot/snapshot.h"
 #include "sim_cuda/world.h"
@@ -47,8 +48,12 @@ struct Start {
   std::optional<Snapshot> snapshot;  ///< that --load names
   /// The file of the snapshot, if it is a recording whose states can all be reached again.
   std::shared_ptr<const RecordingReader> recording{};
+  bool imported = false;            ///< the scene is made of a file of bodies
+  std::vector<BodyTable> frames{};  ///< of an imported scene with several, for the window; state k is frame k
   World world(const RunOptions& options) const;
 };
+/// What an import assumed, in one line without the name of the file.
+std::string imported_notice(const Scene& scene);
 /// Throws InputError.
 Start load_start(const CommandLine& line);
 

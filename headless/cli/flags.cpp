@@ -9,6 +9,7 @@
 #include "headless/cli/options.h"
 #include "headless/cli/setting_flags.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/import/columns.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/crowded_scenes.h"
 #include "sim_cuda/scene/limits.h"
@@ -166,6 +167,13 @@ void layer_list(FlagValue& value, Options& options) {
   chosen.box_high = before.box_high;
 }
 
+void columns(FlagValue& value, Options& options) try {
+  parse_column_map(value.text(), std::string(value.flag()));
+  options.import.columns = value.text();
+} catch (const InputError& error) {
+  value.add(error.lines());
+}
+
 void repeats(FlagValue& value, Options& options) {
   whole<1, 1'000'000, bench, &BenchRequest::repeats>(value, options);
   options.bench.repeats_given = true;
@@ -249,6 +257,22 @@ std::vector<Flag> all_flags() {
   add("Benchmarks", benching | grading,
       {{"--methods", "LIST", "comma-separated broad phases [all]",
         list<&word<broad_phase_names>, bench, &BenchRequest::methods>}});
+  add("Files of bodies", stepping,
+      {{"--columns", "MAP",
+        "SCENE is a file of bodies: its columns, by name or number from 1: x=px,y=py,z=pz,radius=4; "
+        "quantities: id, "
+        "x, y, z, radius, diameter, mass, vx, vy, vz, wx, wy, wz, qw, qx, qy, qz [by their names]",
+        columns},
+       {"--radius", "R", "m: radius of bodies in a file without radii [a quarter of their mean distance]",
+        [](FlagValue& value, Options& options) {
+          options.import.radius = value.number(limits::min_radius, limits::max_radius, "m");
+        }},
+       {"--scale", "S", "m per unit of length in the file of bodies [1]",
+        [](FlagValue& value, Options& options) {
+          options.import.scale = value.number(1e-15, 1e15, "m").value_or(1);
+        }},
+       {"--frame", "K", "frame of a file of bodies with several, from 0 [0]",
+        whole<0, 1'000'000'000, &Options::import, &ImportOptions::frame>}});
   add("Benchmarks", grading,
       {{"--boxes", "FILE.npy",
         "boxes instead of the scene: a NumPy array of shape (n, 6), min x, y, z, max x, y, z of each box",

@@ -11,6 +11,7 @@
 
 #include "headless/cli/capture_request.h"
 #include "sim_cuda/run/break_conditions.h"
+#include "sim_cuda/scene/imported_scene.h"
 #include "sim_cuda/scene/run_options.h"
 #include "sim_cuda/scene/scene.h"
 #include "sim_cuda/scene/settings_patch.h"
@@ -73,7 +74,8 @@ struct TuneOptions {
 
 struct Options {
   RunOptions run;
-  std::string tuned;  ///< file of launch shapes, "off", or empty: those that are known
+  std::string tuned;     ///< file of launch shapes, "off", or empty: those that are known
+  ImportOptions import;  ///< of a SCENE that is a file of bodies
   Overrides overrides;
   std::optional<std::int64_t> steps;  ///< unset: 300, of `bvh` 0
   std::string json;                   ///< file, "-" for stdout, or empty

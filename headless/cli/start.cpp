@@ -13,14 +13,46 @@
 #include "sim_cuda/core/assets.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/physics_version.h"
+#include "sim_cuda/import/file_format.h"
+#include "sim_cuda/import/table_file.h"
 #include "sim_cuda/recording/recording_file.h"
+#include "sim_cuda/scene/imported_scene.h"
 #include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
 
+namespace {
+
+/// A scene file, or a file of another program. A name that ends in .json, or is no regular file, is a scene.
+Scene scene_of_any_file(const std::string& file, const ImportOptions& import) {
+  std::error_code failed;
+  const bool is_scene = file.ends_with(".json") || !std::filesystem::is_regular_file(file, failed);
+  const FileFormat format = is_scene ? FileFormat::scene : format_of(file);
+  if (format == FileFormat::unknown)
+    throw InputError(
+        fmt::format("{}: unknown format, expected a scene, snapshot, recording, or bodies as NPY, NPZ, CSV, "
+                    "XYZ, LAMMPS dump, "
+                    "PLY, OBJ, STL, URDF or MJCF",
+                    shown(file)));
+  if (format != FileFormat::scene) return import_scene(file, format, import);
+  if (import.any())
+    throw InputError(fmt::format(
+        "--columns, --radius, --scale, --frame: {} is a scene, expected a file of bodies", shown(file)));
+  return read_scene(file);
+}
+
+/// Scene files are JSON.
+bool is_imported(const Scene& scene) {
+  std::error_code failed;
+  return !scene.file.ends_with(".json") && std::filesystem::is_regular_file(scene.file, failed) &&
+         format_of(scene.file) != FileFormat::scene;
+}
+
+}  // namespace
+
 Scene load_scene(const CommandLine& line) {
   const std::string file = scene_file(line.operands[0]);
-  Scene scene = read_scene(file);
+  Scene scene = scene_of_any_file(file, line.options.import);
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "{}\n", warning);
   apply(line.options.overrides, file, scene);
   constexpr unsigned guarded = bit(Command::run) | bit(Command::capture) | bit(Command::view);
@@ -45,6 +77,20 @@ void refuse_other_bodies(const SettingsPatch& settings, const std::string& file,
   if (!faults.empty()) throw InputError(faults);
 }
 
+/// The frames of a file with several, or of several files; else none.
+std::vector<BodyTable> read_frames(const CommandLine& line, const Scene& scene) {
+  const ImportOptions& import = line.options.import;
+  const TableOptions options{parse_column_map(import.columns, "--columns"), import.scale, import.frame};
+  if (line.operands.size() > 1) {
+    if (scene.body_files.empty())
+      throw InputError(fmt::format("{}: {} files, expected one, or a series of files of bodies",
+                                   shown(line.operands[0]), line.operands.size()));
+    return read_body_series(line.operands, options);
+  }
+  if (scene.body_files.empty() || scene.body_files[0].table->frames - import.frame < 2) return {};
+  return read_body_frames(scene.file, format_of(scene.file), options);
+}
+
 void note_other_physics(std::int64_t version, const std::string& file) {
   if (version == physics_version) return;
   fmt::print(stderr,
@@ -57,12 +103,24 @@ void note_other_physics(std::int64_t version, const std::string& file) {
 
 Start load_start(const CommandLine& line) {
   std::string file = line.options.load;
-  if (file.empty() && is_recording(line.operands[0])) file = line.operands[0];
+  if (file.empty()) {
+    const std::string& given = line.operands[0];
+    std::error_code failed;
+    if (is_recording(given) ||
+        (std::filesystem::is_regular_file(given, failed) && format_of(given) == FileFormat::snapshot))
+      file = given;
+  }
   Start start;
   if (file.empty()) {
     start.scene = load_scene(line);
+    start.imported = is_imported(start.scene);
+    if (line.command == Command::view && (start.imported || line.operands.size() > 1))
+      start.frames = read_frames(line, start.scene);
     return start;
   }
+  if (line.options.import.any())
+    throw InputError(fmt::format(
+        "--columns, --radius, --scale, --frame: {} has its bodies, expected a file of bodies", shown(file)));
   if (is_recording(file)) start.recording = std::make_shared<const RecordingReader>(file);
   start.snapshot = start.recording ? last_keyframe(*start.recording) : read_snapshot(file);
   start.scene = start.snapshot->scene;
@@ -74,6 +132,14 @@ Start load_start(const CommandLine& line) {
       write_scene(start.scene) != write_scene(start.snapshot->scene))
     start.recording = nullptr;
   return start;
+}
+
+std::string imported_notice(const Scene& scene) {
+  std::string notice;
+  const std::string prefix = scene.file + ": ";
+  for (const std::string& line : scene.warnings)
+    notice += (notice.empty() ? "" : "; ") + line.substr(line.starts_with(prefix) ? prefix.size() : 0);
+  return notice;
 }
 
 World Start::world(const RunOptions& options) const {

@@ -76,6 +76,10 @@ std::string scene_reference() {
   table.material("generators[].");
   table.row("generators[].excluded", "list of whole numbers, from 0, ascending", "[]",
             "numbers of its bodies to omit; the other bodies do not change");
+  table.row("body_files", "list of objects; up to 1000", "[]", "bodies of files of other programs");
+  table.fields("body_files[].", body_file_fields);
+  table.material("body_files[].");
+  table.row("body_files[].excluded", "as `generators[].excluded`", "[]", "rows of the file to omit");
   table.row("extra_bodies", "as `bodies`", "[]", "bodies added during a run");
   table.row("obstacles", listed(limits::max_listed), "[]", "static half-spaces and boxes");
   table.row("obstacles[].shape", "`\"plane\"`, `\"box\"`", "required",

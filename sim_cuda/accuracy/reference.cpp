@@ -37,6 +37,7 @@ Scene listed(const AccuracyProblem& problem, const RunState& start) {
   const InitialBodies& bodies = problem.initial;
   scene.physics.effects = problem.effects;
   scene.generators.clear();
+  scene.body_files.clear();
   scene.extra_bodies.clear();
   scene.bodies.clear();
   scene.box = bodies.box;

@@ -2,23 +2,36 @@
 
 #include <algorithm>
 
+#include "sim_cuda/scene/body_count.h"
 #include "sim_cuda/scene/box_collider.h"
 
 namespace collidoscope {
 namespace {
 
-std::int64_t generated_count(const BoxCollider& generator) {
-  return generator.count - static_cast<std::int64_t>(generator.excluded.size());
+/// Index, in its source, of the `place`-th body that exists.
+std::int64_t index_of(const std::vector<std::int64_t>& excluded, std::int64_t place) {
+  std::int64_t index = place;
+  for (const std::int64_t left_out : excluded) {
+    if (left_out > index) break;
+    ++index;
+  }
+  return index;
 }
 
-/// Generator number of the `place`-th body that exists.
-std::int64_t generated_number(const BoxCollider& generator, std::int64_t place) {
-  std::int64_t number = place;
-  for (const std::int64_t left_out : generator.excluded) {
-    if (left_out > number) break;
-    ++number;
+/// Removes body `id` of a list of sources. Subtracts the bodies of the earlier ones from `id`. Returns
+/// whether the list has the body.
+template <class Source>
+bool exclude_body(std::vector<Source>& sources, std::int64_t& id) {
+  for (Source& source : sources) {
+    const std::int64_t made = kept_of(source);
+    if (id < made) {
+      const std::int64_t index = index_of(source.excluded, id);
+      source.excluded.insert(std::ranges::upper_bound(source.excluded, index), index);
+      return true;
+    }
+    id -= made;
   }
-  return number;
+  return false;
 }
 
 /// Removes a body; higher ids move down. Precondition: the id exists.
@@ -26,15 +39,7 @@ void remove_body(Scene& scene, std::int64_t id) {
   const auto erase = [&](std::vector<Body>& list) { list.erase(list.begin() + id); };
   if (id < std::ssize(scene.bodies)) return erase(scene.bodies);
   id -= std::ssize(scene.bodies);
-  for (BoxCollider& generator : scene.generators) {
-    const std::int64_t made = generated_count(generator);
-    if (id < made) {
-      const std::int64_t number = generated_number(generator, id);
-      generator.excluded.insert(std::ranges::upper_bound(generator.excluded, number), number);
-      return;
-    }
-    id -= made;
-  }
+  if (exclude_body(scene.generators, id) || exclude_body(scene.body_files, id)) return;
   erase(scene.extra_bodies);
 }
 
@@ -42,10 +47,10 @@ void remove_body(Scene& scene, std::int64_t id) {
 void set_count(Scene& scene, std::int64_t count, BodyIdMap& ids) {
   BoxCollider& generator = scene.generators.at(0);
   const auto first = static_cast<std::size_t>(std::ssize(scene.bodies));
-  const auto before = static_cast<std::size_t>(generated_count(generator));
+  const auto before = static_cast<std::size_t>(kept_of(generator));
   generator.count = count;
   std::erase_if(generator.excluded, [&](std::int64_t number) { return number >= count; });
-  const auto after = static_cast<std::size_t>(generated_count(generator));
+  const auto after = static_cast<std::size_t>(kept_of(generator));
   for (std::size_t body = first + std::min(before, after); body < ids.size(); ++body)
     ids[body] = body < first + before ? no_body : static_cast<std::uint32_t>(body - before + after);
 }
@@ -89,12 +94,6 @@ bool Change::only_launch_shape() const {
          !settings.any([](const auto& setting) { return setting.live != Live::in_place; });
 }
 
-std::int64_t bodies_of(const Scene& scene) {
-  std::int64_t count = std::ssize(scene.bodies) + std::ssize(scene.extra_bodies);
-  for (const BoxCollider& generator : scene.generators) count += generated_count(generator);
-  return count;
-}
-
 BodyIdMap apply_change(const Change& change, Scene& scene, RunOptions& options) {
   BodyIdMap ids;
   const auto& count = change.settings.get<&BoxCollider::count>();
@@ -122,7 +121,9 @@ bool requires_restart(const Scene& before, const Scene& after) {
     // With this spawn or variant, each position depends on all others.
     if (a.count != b.count && (a.spawn == Spawn::apart || a.variant == Variant::settled)) return true;
   }
-  return false;
+  return before.body_files.size() != after.body_files.size() ||
+         !std::equal(before.body_files.begin(), before.body_files.end(), after.body_files.begin(),
+                     [](const BodyFile& a, const BodyFile& b) { return a.table == b.table; });
 }
 
 void record_change(std::vector<Change>& changes, Change change, bool extends_last) {

@@ -83,7 +83,4 @@ void record_restart(std::vector<Change>& changes);
 /// Empty if no single change does. Precondition: `after` results from changes of `before`.
 std::optional<Change> merged_change(const Scene& before, const Scene& after, Change settings);
 
-/// Number of bodies of a scene.
-std::int64_t bodies_of(const Scene& scene);
-
 }  // namespace collidoscope

@@ -8,6 +8,7 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
+#include "sim_cuda/scene/body_count.h"
 #include "sim_cuda/scene/body_reader.h"
 #include "sim_cuda/scene/field_json.h"
 #include "sim_cuda/scene/limits.h"

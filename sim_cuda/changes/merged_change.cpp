@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sim_cuda/changes/changes.h"
+#include "sim_cuda/scene/body_count.h"
 #include "sim_cuda/scene/body_reader.h"
 #include "sim_cuda/scene/scene_file.h"
 
@@ -38,19 +39,24 @@ std::optional<Change> merged_change(const Scene& before, const Scene& after, Cha
   RunOptions unused;
   Scene now = before;
   apply_change(change, now, unused);
-  if (now.generators.size() != after.generators.size()) return std::nullopt;
+  if (now.generators.size() != after.generators.size() || now.body_files.size() != after.body_files.size())
+    return std::nullopt;
   if (now.bodies.size() != after.bodies.size())
     find_removed(now.bodies, after.bodies, after, 0, change.remove);
   std::int64_t first = std::ssize(now.bodies);
-  for (std::size_t g = 0; g < now.generators.size(); ++g) {
-    const std::vector<std::int64_t>& without = now.generators[g].excluded;
-    for (const std::int64_t number : after.generators[g].excluded) {
-      const auto place = std::ranges::lower_bound(without, number);
-      if (place == without.end() || *place != number)
-        change.remove.push_back(first + number - (place - without.begin()));
+  const auto find_excluded = [&](const auto& sources, const auto& sources_after) {
+    for (std::size_t k = 0; k < sources.size(); ++k) {
+      const std::vector<std::int64_t>& without = sources[k].excluded;
+      for (const std::int64_t number : sources_after[k].excluded) {
+        const auto place = std::ranges::lower_bound(without, number);
+        if (place == without.end() || *place != number)
+          change.remove.push_back(first + number - (place - without.begin()));
+      }
+      first += kept_of(sources[k]);
     }
-    first += now.generators[g].count - std::ssize(without);
-  }
+  };
+  find_excluded(now.generators, after.generators);
+  find_excluded(now.body_files, after.body_files);
   const std::size_t kept = find_removed(now.extra_bodies, after.extra_bodies, after, first, change.remove);
   change.add.assign(after.extra_bodies.begin() + static_cast<std::ptrdiff_t>(kept), after.extra_bodies.end());
   Scene result = before;

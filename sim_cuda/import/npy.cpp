@@ -4,18 +4,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
 #include <limits>
-#include <memory>
 #include <string_view>
-#include <system_error>
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
+#include "sim_cuda/import/input_file.h"
 
 namespace collidoscope {
 namespace {
@@ -170,21 +166,10 @@ std::size_t bytes_of(const std::vector<std::size_t>& shape, std::size_t element_
   return bytes;
 }
 
-class NpyFile {
+class NpyReader {
  public:
-  explicit NpyFile(const std::string& name) : name_(name), stream_(nullptr, &std::fclose) {
-    std::error_code failed;
-    if (!std::filesystem::is_regular_file(name, failed))
-      throw InputError(
-          fmt::format("{}: {}; give the path of a NumPy file (.npy)", name,
-                      std::filesystem::exists(name, failed) ? "is no regular file" : "not found"));
-    bytes_ = std::filesystem::file_size(name, failed);
-    errno = 0;
-    stream_.reset(std::fopen(name.c_str(), "rb"));
-    if (failed || stream_ == nullptr)
-      throw InputError(
-          fmt::format("{}: cannot be opened ({})", name, std::generic_category().message(errno)));
-  }
+  NpyReader(const std::string& name, std::size_t bytes, const TakeBytes& take)
+      : name_(name), bytes_(bytes), take_(take) {}
 
   NpyArray read() {
     char start[12] = {};
@@ -219,24 +204,23 @@ class NpyFile {
            needed > there && needed >> 63 != 0
                ? fmt::format("those of an array of shape {}", shape_text(array.shape))
                : fmt::format("{} for an array of shape {}", needed, shape_text(array.shape)));
-    array.bytes.resize(needed);
-    if (!take(array.bytes.data(), needed)) fail(begin + length, "the file ends", "its numbers");
+    array.bytes = std::make_unique_for_overwrite<std::byte[]>(needed);
+    if (!take(array.bytes.get(), needed)) fail(begin + length, "the file ends", "its numbers");
     if (header.swapped())
       for (std::size_t k = 0; k < needed; k += header.code().bytes)
-        std::reverse(array.bytes.begin() + static_cast<std::ptrdiff_t>(k),
-                     array.bytes.begin() + static_cast<std::ptrdiff_t>(k + header.code().bytes));
+        std::reverse(array.bytes.get() + k, array.bytes.get() + k + header.code().bytes);
     return array;
   }
 
  private:
-  bool take(void* to, std::size_t bytes) { return std::fread(to, 1, bytes, stream_.get()) == bytes; }
+  bool take(void* to, std::size_t bytes) { return take_(to, bytes); }
   [[noreturn]] void fail(std::size_t at, const std::string& problem, const std::string& expected) const {
     throw InputError(fmt::format("{}: byte {}: {}, expected {}", name_, at, problem, expected));
   }
 
   const std::string& name_;
-  std::size_t bytes_ = 0;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream_;
+  std::size_t bytes_;
+  const TakeBytes& take_;
 };
 
 }  // namespace
@@ -245,8 +229,24 @@ std::string shape_text(const std::vector<std::size_t>& shape) {
   return fmt::format("({}{})", fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
 }
 
-NpyArray read_npy(const std::string& file) {
-  return with_allocation_context("reading a NumPy file", [&] { return NpyFile(file).read(); });
+NpyArray read_npy(const std::string& name, std::size_t bytes, const TakeBytes& take) {
+  return with_allocation_context("reading a NumPy array",
+                                 [&] { return NpyReader(name, bytes, take).read(); });
+}
+
+NpyArray read_npy(const std::string& name) {
+  const InputFile file(name, "a NumPy file (.npy)");
+  std::size_t at = 0;
+  return read_npy(name, file.bytes(), [&](void* to, std::size_t bytes) {
+    const std::size_t begin = at;
+    at += bytes;
+    std::atomic<bool> complete = true;
+    on_all_cores(bytes, std::size_t{4} << 20, [&](std::size_t first, std::size_t last) {
+      if (file.read(begin + first, static_cast<char*>(to) + first, last - first) != last - first)
+        complete = false;
+    });
+    return complete.load();
+  });
 }
 
 }  // namespace collidoscope

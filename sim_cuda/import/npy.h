@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,9 +14,9 @@ namespace collidoscope {
 struct NpyArray {
   enum class Element { f32, f64, i8, i16, i32, i64, u8, u16, u32, u64 };
   Element element = Element::f32;
-  std::vector<std::size_t> shape;  ///< empty: one number
-  bool fortran_order = false;      ///< the first index varies fastest, not the last
-  std::vector<std::byte> bytes;    ///< the numbers, in the byte order of this machine
+  std::vector<std::size_t> shape;      ///< empty: one number
+  bool fortran_order = false;          ///< the first index varies fastest, not the last
+  std::unique_ptr<std::byte[]> bytes;  ///< the numbers, in the byte order of this machine
 
   std::size_t count() const {
     std::size_t product = 1;
@@ -26,7 +28,7 @@ struct NpyArray {
   template <class Visit>
   decltype(auto) visit(const Visit& visit) const {
     const auto as = [&]<class Number>(Number) -> decltype(auto) {
-      return visit(reinterpret_cast<const Number*>(bytes.data()));
+      return visit(reinterpret_cast<const Number*>(bytes.get()));
     };
     switch (element) {
       case Element::f32:
@@ -60,5 +62,10 @@ std::string shape_text(const std::vector<std::size_t>& shape);
 /// Throws InputError: `FILE: byte N: problem, expected value`. Arrays of objects are refused, because they
 /// contain code; so are records and text.
 NpyArray read_npy(const std::string& file);
+
+/// Takes the next bytes of a file. Returns false if there are not so many.
+using TakeBytes = std::function<bool(void* to, std::size_t bytes)>;
+/// The same for a file of `bytes` bytes within another file. `name` begins the lines of errors.
+NpyArray read_npy(const std::string& name, std::size_t bytes, const TakeBytes& take);
 
 }  // namespace collidoscope

@@ -156,6 +156,7 @@ std::uint64_t settings_hash(Scene scene) {
   disable_guards(scene.physics);
   scene.bodies.clear();
   scene.extra_bodies.clear();
+  scene.body_files.clear();
   scene.joints.clear();
   for (BoxCollider& generator : scene.generators) {
     generator.count = 0;

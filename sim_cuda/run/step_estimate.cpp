@@ -9,6 +9,7 @@
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/host_memory.h"
 #include "sim_cuda/run/sampled_pairs.h"
+#include "sim_cuda/scene/body_count.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 
 namespace collidoscope {
@@ -188,8 +189,7 @@ void require_memory_for_step(Executor& executor, const WorldSetup& setup) {
 }
 
 void require_memory_for_bodies(const Scene& scene, const RunOptions& options) {
-  auto bodies = static_cast<std::int64_t>(scene.bodies.size() + scene.extra_bodies.size());
-  for (const BoxCollider& generator : scene.generators) bodies += generator.count;
+  const std::int64_t bodies = bodies_of(scene);
   if (bodies <= few_bodies || options.allow_large) return;
   // GPU memory is checked in require_memory_for_step().
   const bool limited = options.memory_limit > 0,

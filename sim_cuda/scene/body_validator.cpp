@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "sim_cuda/import/body_table.h"
+#include "sim_cuda/scene/body_count.h"
 #include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/derived_faults.h"
 #include "sim_cuda/scene/limits.h"
@@ -138,12 +142,40 @@ void BodyValidator::check_generators() {
   }
 }
 
-void BodyValidator::check_excluded(const BoxCollider& g, const FaultPath& path) {
-  for (std::size_t k = 0; k < g.excluded.size(); ++k)
-    if (g.excluded[k] < 0 || g.excluded[k] >= g.count || (k > 0 && g.excluded[k] <= g.excluded[k - 1])) {
-      fields_.fault(
-          path.at(static_cast<int>(k)),
-          fmt::format("must be the index of one of its {} bodies, from 0, in ascending order", g.count));
+void BodyValidator::check_body_files() {
+  std::int64_t total = std::ssize(scene_.bodies) + std::ssize(scene_.extra_bodies);
+  for (const BoxCollider& g : scene_.generators)
+    total += std::clamp<std::int64_t>(g.count, 0, limits::max_bodies);
+  for (std::size_t k = 0; k < scene_.body_files.size(); ++k) {
+    const BodyFile& file = scene_.body_files[k];
+    const FaultPath path{"body_files", static_cast<std::int64_t>(k)};
+    fields_.check_all(path, body_file_fields, file);
+    fields_.check_material(path, file.material);
+    if (!file.table) continue;
+    if (file.table->radius.empty() && !file.radius)
+      fields_.fault(path.at("radius"), "must be given, since the file has no radii");
+    if (!file.table->radius.empty() && file.radius)
+      fields_.fault(path.at("radius"), "must not be given, since the file has radii");
+    check_excluded(file, path.at("excluded"));
+    total += rows_of(file);
+    if (total > limits::max_bodies) {
+      fields_.fault(path.at("path"), fmt::format("must give at most {} bodies in total", limits::max_bodies));
+      total = 0;
+    }
+    for (const BoxCollider& g : scene_.generators)
+      if (g.variant == Variant::settled)
+        fields_.fault(path, "must not be used with the variant settled, which is simulated before state 0");
+  }
+}
+
+template <class Source>
+void BodyValidator::check_excluded(const Source& source, const FaultPath& path) {
+  const std::vector<std::int64_t>& excluded = source.excluded;
+  for (std::size_t k = 0; k < excluded.size(); ++k)
+    if (excluded[k] < 0 || excluded[k] >= rows_of(source) || (k > 0 && excluded[k] <= excluded[k - 1])) {
+      fields_.fault(path.at(static_cast<int>(k)),
+                    fmt::format("must be the index of one of its {} bodies, from 0, in ascending order",
+                                rows_of(source)));
       return;
     }
 }

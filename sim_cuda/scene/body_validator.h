@@ -1,5 +1,6 @@
 #pragma once
-// Validation of bodies and generators: masses, number of bodies, room in the box. Used by validate().
+// Validation of bodies, generators and files of bodies: masses, number of bodies, room in the box. Used by
+// validate().
 
 #include <optional>
 #include <vector>
@@ -18,6 +19,8 @@ class BodyValidator {
   /// `list`: the key of the bodies in the scene file.
   void check_bodies(const char* list, const std::vector<Body>& bodies);
   void check_generators();
+  /// Also checks the total number of bodies. Call it after check_generators().
+  void check_body_files();
 
  private:
   void check_body(const Body& body, const FaultPath& path);
@@ -28,7 +31,8 @@ class BodyValidator {
   void check_inertia(const Vector3d& inertia, const FaultPath& path);
   void must_fit(const FaultPath& path, double radius);
   bool scene_has_scaled_box() const;
-  void check_excluded(const BoxCollider& g, const FaultPath& path);
+  template <class Source>
+  void check_excluded(const Source& source, const FaultPath& path);
   void check_room(const BoxCollider& g, const FaultPath& path);
 
   const Scene& scene_;

@@ -134,6 +134,7 @@ Scene crowded_scene(const std::string& name, std::int64_t bodies, std::uint64_t 
   Scene scene = like;
   scene.name = name;
   scene.generators.clear();
+  scene.body_files.clear();
   scene.joints.clear();
   scene.extra_bodies.clear();
   scene.bodies = std::move(made.bodies);

@@ -6,6 +6,9 @@
 #include <map>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/import/body_table.h"
+#include "sim_cuda/scene/body_count.h"
+#include "sim_cuda/scene/body_file.h"
 #include "sim_cuda/scene/box_collider.h"
 #include "sim_cuda/scene/derived_faults.h"
 #include "sim_cuda/scene/fault_lines.h"
@@ -153,21 +156,27 @@ std::string path_of(const Scene& scene, std::size_t body, std::size_t size, std:
   const std::size_t first_added = size - scene.extra_bodies.size();
   if (body >= first_added) return fmt::format("extra_bodies[{}]", body - first_added);
   std::size_t first = scene.bodies.size();
-  for (std::size_t g = 0; g < scene.generators.size(); ++g) {
-    const BoxCollider& generator = scene.generators[g];
-    const std::size_t count = static_cast<std::size_t>(generator.count) - generator.excluded.size();
-    if (body < first + count) {
-      which = fmt::format("body {}: ", body);
-      return fmt::format("generators[{}]", g);
+  std::string path;
+  const auto find_in = [&](const auto& sources, const char* list) {
+    for (std::size_t k = 0; k < sources.size() && path.empty(); ++k) {
+      const auto count = static_cast<std::size_t>(kept_of(sources[k]));
+      if (body < first + count) path = fmt::format("{}[{}]", list, k);
+      first += count;
     }
-    first += count;
-  }
-  return "";
+  };
+  which = fmt::format("body {}: ", body);
+  find_in(scene.generators, "generators");
+  find_in(scene.body_files, "body_files");
+  return path;
 }
 
 /// Checks the ranges of computed values. Inertia is checked only if bodies rotate.
 void check_ranges(const Scene& scene, const InitialBodies& all) {
   const bool rotation = bodies_turn(scene);
+  std::int64_t generated = 0;
+  for (const BoxCollider& generator : scene.generators) generated += kept_of(generator);
+  const std::size_t first_generated = scene.bodies.size(),
+                    end_generated = first_generated + static_cast<std::size_t>(generated);
   std::vector<Fault> faults;
   const auto fault = [&](std::size_t body, const std::string& what) {
     std::string which;
@@ -181,7 +190,7 @@ void check_ranges(const Scene& scene, const InitialBodies& all) {
           all.inertia.empty() ? sphere_inertia(all.mass[i], all.radius[i]) : all.inertia[i];
       if (const auto wrong = inertia_fault(inertia)) fault(i, *wrong);
     }
-    const bool listed = i < scene.bodies.size() || i >= all.size() - scene.extra_bodies.size();
+    const bool listed = i < first_generated || i >= end_generated;
     if (all.box && listed && !(2 * all.radius[i] <= (all.box->max - all.box->min).minCoeff())) {
       fault(i, fmt::format("its bounding sphere of {:.3g} m radius does not fit between the walls",
                            all.radius[i]));
@@ -197,8 +206,7 @@ InitialBodies initial_bodies(const Scene& scene, Cancellation* cancellation) {
     throw InputError(fault_lines(scene, faults));
   InitialBodies all;
   all.box = box_in_effect(scene);
-  std::size_t total = scene.bodies.size() + scene.extra_bodies.size();
-  for (const BoxCollider& generator : scene.generators) total += static_cast<std::size_t>(generator.count);
+  std::size_t total = static_cast<std::size_t>(bodies_of(scene));
   all.position.reserve(total);
   all.radius.reserve(total);
   all.mass.reserve(total);
@@ -223,6 +231,14 @@ InitialBodies initial_bodies(const Scene& scene, Cancellation* cancellation) {
       all.material.resize(first, 0);
       all.material.resize(all.size(), static_cast<std::uint16_t>(generator.material));
     }
+  }
+
+  for (const BodyFile& file : scene.body_files) {
+    append_body_file(file, scene.materials[file.material].density, all);
+    needs.velocity |= !file.table->velocity.empty();
+    needs.angular_velocity |= !file.table->angular_velocity.empty();
+    needs.orientation |= !file.table->orientation.empty();
+    needs.material |= file.material != 0;
   }
 
   append_listed(scene, scene.extra_bodies, meshes, all, needs);

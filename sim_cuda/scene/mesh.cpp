@@ -15,6 +15,8 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
+#include "sim_cuda/import/file_format.h"
+#include "sim_cuda/import/surface.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/mass_properties.h"
 #include "sim_cuda/scene/text_file.h"
@@ -28,7 +30,7 @@ constexpr std::size_t max_faults = 100;
 /// A directed edge of a face.
 struct Edge {
   std::uint32_t from, to;
-  std::uint32_t line;  ///< line of the face in the file
+  std::uint32_t place;  ///< of the face, as in Surface
   std::uint32_t low() const { return std::min(from, to); }
   std::uint32_t high() const { return std::max(from, to); }
 };
@@ -37,8 +39,8 @@ class ObjReader {
  public:
   ObjReader(std::string_view text, const std::string& file) : text_(text), file_(file) {}
 
-  /// Reads vertices and triangles and checks that the surface is closed. Throws all faults.
-  void read(std::vector<Vector3d>& vertices, std::vector<std::array<std::uint32_t, 3>>& faces) {
+  /// Throws all faults.
+  Surface read() {
     while (!text_.empty() && faults_.size() < max_faults) {
       const std::size_t end = std::min(text_.find('\n'), text_.size());
       line_ = text_.substr(0, end);
@@ -47,33 +49,15 @@ class ObjReader {
       if (!line_.empty() && line_.back() == '\r') line_.remove_suffix(1);
       read_line();
     }
-    if (faults_.empty()) check_indices();
-    if (faults_.empty() && corners_.empty())
-      fault(0, 0, "there are no faces; a mesh needs `v` and `f` lines");
-    if (faults_.empty()) check_closed();
     if (!faults_.empty()) throw InputError(std::move(faults_));
-    faces.reserve(corners_.size() - 2 * polygons_.size());
-    for (const Polygon& polygon : polygons_) {
-      const std::uint32_t* corner = corners_.data() + polygon.first;
-      for (std::uint32_t i = 2; i < polygon.count; ++i)
-        faces.push_back({corner[0], corner[i - 1], corner[i]});
-    }
-    vertices = std::move(vertices_);
+    return std::move(surface_);
   }
 
  private:
-  struct Polygon {
-    std::uint32_t first, count, line;
-  };
-
-  /// Line 0 refers to the whole file.
-  void fault(std::size_t line, std::size_t column, const std::string& what) {
-    if (faults_.size() == max_faults) return;
-    faults_.push_back(line == 0 ? fmt::format("{}: {}", file_, what)
-                                : fmt::format("{}:{}:{}: {}", file_, line, column, what));
-  }
   void fault_here(std::string_view word, const std::string& what) {
-    fault(line_number_, static_cast<std::size_t>(word.data() - line_.data()) + 1, what);
+    if (faults_.size() == max_faults) return;
+    const std::size_t column = static_cast<std::size_t>(word.data() - line_.data()) + 1;
+    faults_.push_back(fmt::format("{}:{}:{}: {}", file_, line_number_, column, what));
   }
 
   /// The next word of the line. Empty at its end or at the start of a comment.
@@ -131,8 +115,8 @@ class ObjReader {
     if (count != 6 && count > 3 && value[3] != 1) {
       return fault_here(keyword, "a vertex with a weight other than 1; give only x y z");
     }
-    vertices_.emplace_back(value[0], value[1], value[2]);
-    if (vertices_.size() > (std::size_t{1} << 30)) fault_here(keyword, "more than 2^30 vertices");
+    surface_.vertices.emplace_back(value[0], value[1], value[2]);
+    if (surface_.vertices.size() > (std::size_t{1} << 30)) fault_here(keyword, "more than 2^30 vertices");
   }
 
   /// The vertex index, from 0, of a face corner `v`, `v/vt`, `v//vn` or `v/vt/vn`. A corner may refer to a
@@ -154,13 +138,13 @@ class ObjReader {
       ++at;
     }
     const long long absolute =
-        index[0] > 0 ? index[0] - 1 : static_cast<long long>(vertices_.size()) + index[0];
+        index[0] > 0 ? index[0] - 1 : static_cast<long long>(surface_.vertices.size()) + index[0];
     if (index[0] == 0 || absolute < 0 || absolute >= (1LL << 30)) return std::nullopt;
     return static_cast<std::uint32_t>(absolute);
   }
 
   void read_face(std::string_view keyword, std::string_view rest) {
-    Polygon polygon{static_cast<std::uint32_t>(corners_.size()), 0, line_number_};
+    Surface::Polygon polygon{static_cast<std::uint32_t>(surface_.corners.size()), 0, line_number_};
     constexpr std::uint32_t few = 64;        // corners; up to this number a linear search is used
     std::unordered_set<std::uint32_t> seen;  // used for more corners
     for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
@@ -169,34 +153,59 @@ class ObjReader {
         return fault_here(word,
                           fmt::format("\"{}\" is not a vertex index; a corner is v, v/vt, v//vn or v/vt/vn, "
                                       "counted from 1, or from -1 backwards ({} vertices so far)",
-                                      printable(word), vertices_.size()));
+                                      printable(word), surface_.vertices.size()));
       }
-      const auto first = corners_.begin() + polygon.first;
-      if (polygon.count == few) seen.insert(first, corners_.end());
-      if (polygon.count < few ? std::find(first, corners_.end(), *index) != corners_.end()
+      const auto first = surface_.corners.begin() + polygon.first;
+      if (polygon.count == few) seen.insert(first, surface_.corners.end());
+      if (polygon.count < few ? std::find(first, surface_.corners.end(), *index) != surface_.corners.end()
                               : !seen.insert(*index).second) {
         return fault_here(
             word, fmt::format("vertex {} appears twice in one face; list each vertex once", *index + 1));
       }
-      corners_.push_back(*index);
+      surface_.corners.push_back(*index);
       ++polygon.count;
     }
     if (polygon.count < 3) {
       return fault_here(keyword,
                         fmt::format("a face with {} corners; expected at least three", polygon.count));
     }
-    polygons_.push_back(polygon);
+    surface_.polygons.push_back(polygon);
+  }
+
+  std::string_view text_, line_;
+  const std::string& file_;
+  std::uint32_t line_number_ = 0;
+  Surface surface_;
+  std::vector<std::string> faults_;
+};
+
+/// Checks that a surface can be a solid.
+class SurfaceCheck {
+ public:
+  SurfaceCheck(const Surface& surface, const std::string& file) : surface_(surface), file_(file) {}
+
+  /// Throws all faults.
+  void run() {
+    if (surface_.corners.empty()) faults_.push_back(file_ + ": there are no faces, expected a closed mesh");
+    if (faults_.empty()) check_indices();
+    if (faults_.empty()) check_closed();
+    if (!faults_.empty()) throw InputError(std::move(faults_));
+  }
+
+ private:
+  void fault(std::uint32_t place, const std::string& what) {
+    if (faults_.size() < max_faults)
+      faults_.push_back(fmt::format("{}: {}", place_text(surface_, file_, place), what));
   }
 
   void check_indices() {
-    for (const Polygon& polygon : polygons_) {
+    for (const Surface::Polygon& polygon : surface_.polygons) {
       for (std::uint32_t i = 0; i < polygon.count; ++i) {
-        const std::uint32_t index = corners_[polygon.first + i];
-        if (index < vertices_.size()) continue;
+        const std::uint32_t index = surface_.corners[polygon.first + i];
+        if (index < surface_.vertices.size()) continue;
         if (faults_.size() == max_faults) return;
-        fault(polygon.line, 1,
-              fmt::format("the face uses vertex {}, but the number of vertices is {}", index + 1,
-                          vertices_.size()));
+        fault(polygon.place, fmt::format("the face uses vertex {}, but the number of vertices is {}",
+                                         index + 1, surface_.vertices.size()));
       }
     }
   }
@@ -204,23 +213,23 @@ class ObjReader {
   /// Checks that the surface is closed: every edge belongs to two faces, in opposite directions.
   void check_closed() {
     std::vector<Edge> edges;
-    edges.reserve(corners_.size());
-    for (const Polygon& polygon : polygons_) {
-      const std::uint32_t* corner = corners_.data() + polygon.first;
+    edges.reserve(surface_.corners.size());
+    for (const Surface::Polygon& polygon : surface_.polygons) {
+      const std::uint32_t* corner = surface_.corners.data() + polygon.first;
       for (std::uint32_t i = 0; i < polygon.count; ++i) {
-        edges.push_back({corner[i], corner[i + 1 < polygon.count ? i + 1 : 0], polygon.line});
+        edges.push_back({corner[i], corner[i + 1 < polygon.count ? i + 1 : 0], polygon.place});
       }
     }
     std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
       if (a.low() != b.low()) return a.low() < b.low();
       if (a.high() != b.high()) return a.high() < b.high();
-      return a.line < b.line;
+      return a.place < b.place;
     });
     // Keeps the first faults by line, then by this order, up to the limit of reported faults.
     std::map<std::pair<std::uint32_t, std::size_t>, std::string> found;
     const auto find = [&](std::size_t i, const std::string& what) {
-      found.emplace(std::pair(edges[i].line, i), fmt::format("the edge from vertex {} to {} {}",
-                                                             edges[i].from + 1, edges[i].to + 1, what));
+      found.emplace(std::pair(edges[i].place, i), fmt::format("the edge from vertex {} to {} {}",
+                                                              edges[i].from + 1, edges[i].to + 1, what));
       if (found.size() > max_faults) found.erase(std::prev(found.end()));
     };
     for (std::size_t i = 0; i < edges.size();) {
@@ -229,7 +238,7 @@ class ObjReader {
              edges[end].high() == edges[i].high()) {
         ++end;
       }
-      const bool told = found.size() < max_faults || edges[i].line < std::prev(found.end())->first.first;
+      const bool told = found.size() < max_faults || edges[i].place < std::prev(found.end())->first.first;
       if (!told) {
         // not reported: the limit is reached
       } else if (end - i == 1) {
@@ -239,29 +248,56 @@ class ObjReader {
       } else if (end - i > 2) {
         find(i, fmt::format("belongs to {} faces; in a closed surface it must belong to two", end - i));
       } else if (edges[i].from == edges[i + 1].from) {
-        find(i, fmt::format("has the same direction in the face of line {}; reverse one of the faces",
-                            edges[i + 1].line));
+        find(i, fmt::format("has the same direction in the face of {}; reverse one of the faces",
+                            place_name(edges[i + 1].place)));
       }
       i = end;
     }
-    for (const auto& [place, what] : found) fault(place.first, 1, what);
+    for (const auto& [place, what] : found) fault(place.first, what);
   }
 
-  std::string_view text_, line_;
+  std::string place_name(std::uint32_t place) const {
+    return fmt::format("{} {}", surface_.places_are_lines ? "line" : "facet", place);
+  }
+
+  const Surface& surface_;
   const std::string& file_;
-  std::uint32_t line_number_ = 0;
-  std::vector<Vector3d> vertices_;
-  std::vector<std::uint32_t> corners_;
-  std::vector<Polygon> polygons_;
   std::vector<std::string> faults_;
 };
+
+/// Splits polygons into fans of triangles.
+std::vector<std::array<std::uint32_t, 3>> triangles_of(const Surface& surface) {
+  std::vector<std::array<std::uint32_t, 3>> faces;
+  faces.reserve(surface.corners.size() - 2 * surface.polygons.size());
+  for (const Surface::Polygon& polygon : surface.polygons) {
+    const std::uint32_t* const corner = surface.corners.data() + polygon.first;
+    for (std::uint32_t i = 2; i < polygon.count; ++i) faces.push_back({corner[0], corner[i - 1], corner[i]});
+  }
+  return faces;
+}
+
+Surface read_surface(const std::string& text, const std::string& file) {
+  switch (format_of_start(text, text.size())) {
+    case FileFormat::stl:
+      return read_stl_surface(text, file);
+    case FileFormat::ply:
+      return read_ply_surface(text, file);
+    default:
+      return ObjReader(text, file).read();
+  }
+}
 
 }  // namespace
 
 Mesh parse_mesh(const std::string& text, const std::string& file, const std::string& name) {
   Mesh mesh;
   mesh.name = name;
-  with_allocation_context("reading a mesh", [&] { ObjReader(text, file).read(mesh.vertices, mesh.faces); });
+  with_allocation_context("reading a mesh", [&] {
+    Surface surface = read_surface(text, file);
+    SurfaceCheck(surface, file).run();
+    mesh.faces = triangles_of(surface);
+    mesh.vertices = std::move(surface.vertices);
+  });
 
   const MassProperties solid = mass_properties(mesh.vertices, mesh.faces);
   if (solid.volume < 0) {
@@ -306,7 +342,7 @@ std::string mesh_file(const Scene& scene, const std::string& name) {
 }
 
 std::string read_mesh_text(const std::string& file) {
-  return read_text_file(file, max_file_size, "a closed mesh (.obj)");
+  return read_text_file(file, max_file_size, "a closed mesh (OBJ, STL or PLY)");
 }
 
 Mesh read_mesh(const std::string& file, const std::string& name) {

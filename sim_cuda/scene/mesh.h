@@ -1,5 +1,6 @@
 #pragma once
-// Strict reader of Wavefront OBJ files.
+// Strict reader of meshes: Wavefront OBJ, STL and PLY, detected by content (import/surface.h reads the last
+// two). OBJ:
 // - `v` and `f` are read. Indices count from 1, or backwards if negative; corners are v, v/vt, v//vn or
 //   v/vt/vn. Polygons are split into a triangle fan from their first corner.
 // - vt, vn, o, g, s, usemtl, mtllib and comments are ignored. Any other line is a fault.

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -69,9 +70,9 @@ enum class Motion { dynamic, kinematic, fixed };
 struct Body {
   Shape shape = Shape::sphere;
   Motion motion = Motion::dynamic;
-  double radius = 1;                    ///< m, > 0, sphere only
-  std::string mesh;                     ///< path of an OBJ file, relative to the scene file; mesh only
-  Vector3d position{0, 0, 0};           ///< m, centre of mass
+  double radius = 1;           ///< m, > 0, sphere only
+  std::string mesh;            ///< path of an OBJ, STL or PLY file, relative to the scene file; mesh only
+  Vector3d position{0, 0, 0};  ///< m, centre of mass
   Quaterniond orientation{1, 0, 0, 0};  ///< w x y z; normalised when read
   Vector3d velocity{0, 0, 0};           ///< m/s
   Vector3d angular_velocity{0, 0, 0};   ///< rad/s, world axes
@@ -117,6 +118,21 @@ struct BoxCollider {
   /// Indices of removed bodies among the `count`, ascending. The other bodies are unchanged; their ids shift
   /// down.
   std::vector<std::int64_t> excluded{};
+};
+
+struct BodyTable;
+
+/// Spheres of a foreign file, a row for each: NPY, NPZ, CSV, XYZ, LAMMPS dump or PLY.
+struct BodyFile {
+  std::string path;              ///< relative to the scene file, in its folder
+  std::string columns;           ///< "x=1,radius=r", in addition to the names in the file
+  double scale = 1;              ///< m per unit of length in the file, > 0
+  std::optional<double> radius;  ///< m, > 0; required if the file has no radii
+  std::int64_t frame = 0;        ///< of a file with several, from 0
+  int material = 0;
+  std::vector<std::int64_t> excluded{};  ///< indices of removed rows, as in BoxCollider
+  /// The contents of the file, read with the scene. Not written to scene files.
+  std::shared_ptr<const BodyTable> table{};
 };
 
 /// A fixed half-space. Bodies stay where normal . x >= offset.
@@ -214,13 +230,15 @@ struct Scene {
   std::string name = "unnamed";
   std::string directory = ".";        ///< base of relative mesh paths; not written to files
   std::string file;                   ///< source file, for messages; not written to files
-  std::vector<std::string> warnings;  ///< one line per old name in the file; not written to files
+  std::vector<std::string> warnings;  ///< lines for the user: old names in the file, what an import assumed;
+                                      ///< not written to files
   std::optional<Box> box;             ///< unset: no walls
   Physics physics;
   std::vector<Material> materials{Material{}};  ///< materials[0] is always "default"
   std::vector<Body> bodies;                     ///< ids 0, 1, ... in order
   std::vector<BoxCollider> generators;          ///< their ids follow, generator by generator
-  std::vector<Body> extra_bodies;  ///< bodies added during a run; their ids follow the generated bodies
+  std::vector<BodyFile> body_files;             ///< their ids follow, file by file
+  std::vector<Body> extra_bodies;               ///< bodies added during a run; their ids are the last ones
   std::vector<Plane> obstacles;
   std::vector<BoxObstacle> boxes;  ///< listed among the obstacles in files
   std::vector<Joint> joints;

@@ -83,10 +83,11 @@ inline constexpr auto body_fields = std::tuple{
     Field<&Body::motion>{.key = "motion", .help = "", .choices = motion_names},
     detail::number<&Body::radius>("radius", "spheres only; must fit in the box", "m", limits::min_radius,
                                   limits::max_radius),
-    Field<&Body::mesh>{.key = "mesh",
-                       .help = "meshes only: path of an OBJ file from the scene file's folder; closed, faces "
-                               "counter-clockwise from outside",
-                       .fallback = "required for a mesh"},
+    Field<&Body::mesh>{
+        .key = "mesh",
+        .help = "meshes only: path of an OBJ, STL or PLY file from the scene file's folder; closed, faces "
+                "counter-clockwise from outside",
+        .fallback = "required for a mesh"},
     detail::place<&Body::position>("position", "position of the centre of mass"),
     detail::direction<&Body::orientation>("orientation", "quaternion [w, x, y, z], normalised on reading"),
     detail::number<&Body::velocity>("velocity", "velocity of the centre of mass", "m/s", -limits::max_speed,
@@ -99,6 +100,23 @@ inline constexpr auto body_fields = std::tuple{
                                    "mesh about its principal axes, smallest first",
                                    "kg m^2", limits::min_inertia, limits::max_inertia,
                                    "⅖·m·r², or the moments of the mesh"),
+};
+
+inline constexpr auto body_file_fields = std::tuple{
+    Field<&BodyFile::path>{
+        .key = "path",
+        .help = "path of a NPY, NPZ, CSV, XYZ, LAMMPS or PLY file from the scene file's folder, and in it",
+        .fallback = "required"},
+    Field<&BodyFile::columns>{
+        .key = "columns",
+        .help =
+            "columns of the file, by name or number from 1: `x=px,y=py,radius=4`; quantities: id, x, y, z, "
+            "radius, diameter, mass, vx, vy, vz, wx, wy, wz, qw, qx, qy, qz",
+        .fallback = "by their names in the file"},
+    detail::number<&BodyFile::scale>("scale", "length of the file's unit", "m", 1e-15, 1e15),
+    detail::number<&BodyFile::radius>("radius", "radius of all its bodies; only if the file has no radii",
+                                      "m", limits::min_radius, limits::max_radius, "radii of the file"),
+    detail::number<&BodyFile::frame>("frame", "frame of a file with several, from 0", "", 0, 1e9),
 };
 
 inline constexpr auto plane_fields = std::tuple{

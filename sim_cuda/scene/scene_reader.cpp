@@ -8,6 +8,7 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/out_of_memory.h"
+#include "sim_cuda/scene/body_file.h"
 #include "sim_cuda/scene/body_reader.h"
 #include "sim_cuda/scene/derived_faults.h"
 #include "sim_cuda/scene/field_reader.h"
@@ -22,6 +23,7 @@
 namespace collidoscope {
 namespace {
 
+constexpr std::size_t most_body_files = 1000;
 constexpr JsonAlias scene_aliases[] = {
     {"angular_speed", "spin"}, {"excluded", "without"}, {"extra_bodies", "added"}};
 
@@ -48,6 +50,7 @@ class SceneReader {
       if (const JsonNode* node = root.member("materials")) read_materials(*node);
       read_bodies(root, "bodies", scene_.bodies);
       read_list(root, "generators", [&](const JsonNode& node) { read_generator(node); });
+      read_list(root, "body_files", [&](const JsonNode& node) { read_file_of_bodies(node); });
       read_bodies(root, "extra_bodies", scene_.extra_bodies);
       read_list(root, "obstacles", [&](const JsonNode& node) { read_obstacle(node); });
       read_list(root, "joints", [&](const JsonNode& node) { read_joint(node); });
@@ -126,16 +129,41 @@ class SceneReader {
     }
     read_fields(reading_, reader, generator_settings, generator);
     read_material_name(reading_, reader, materials_, generator.material);
-    if (const JsonNode* list = reader.member("excluded", JsonKind::array))
-      for (const JsonNode& number : document_.children(*list)) {
-        const std::optional<double> value =
-            number.kind == JsonKind::number ? document_.number(number) : std::nullopt;
-        if (value && *value == std::floor(*value) && std::abs(*value) < 0x1p53)
-          generator.excluded.push_back(static_cast<std::int64_t>(*value));
-        else
-          reading_.fault(number, "\"excluded\" must be a list of whole numbers");
-      }
+    read_excluded(reader, generator.excluded);
     reader.finish();
+  }
+
+  void read_excluded(ObjectReader& reader, std::vector<std::int64_t>& excluded) {
+    const JsonNode* const list = reader.member("excluded", JsonKind::array);
+    if (list == nullptr) return;
+    for (const JsonNode& number : document_.children(*list)) {
+      const std::optional<double> value =
+          number.kind == JsonKind::number ? document_.number(number) : std::nullopt;
+      if (value && *value == std::floor(*value) && std::abs(*value) < 0x1p53)
+        excluded.push_back(static_cast<std::int64_t>(*value));
+      else
+        reading_.fault(number, "\"excluded\" must be a list of whole numbers");
+    }
+  }
+
+  void read_file_of_bodies(const JsonNode& node) {
+    BodyFile& file = scene_.body_files.emplace_back();
+    ObjectReader reader(reading_, node, "a file of bodies");
+    const std::size_t known_faults = reading_.faults.size();
+    read_fields(reading_, reader, body_file_fields, file);
+    read_material_name(reading_, reader, materials_, file.material);
+    read_excluded(reader, file.excluded);
+    const JsonNode* const path = reader.member("path");
+    if (reader.is_object() && path == nullptr) reading_.fault(node, "a file of bodies must have a \"path\"");
+    reader.finish();
+    if (path == nullptr || reading_.faults.size() > known_faults ||
+        scene_.body_files.size() > most_body_files)
+      return;
+    try {
+      read_body_file(scene_.directory, file);
+    } catch (const InputError& error) {
+      for (const std::string& line : error.lines()) reading_.fault(*path, line);
+    }
   }
 
   void read_obstacle(const JsonNode& node) {

@@ -34,6 +34,8 @@ class SceneWriter {
     write_materials();
     write_list("bodies", scene_.bodies, [&](const Body& body) { return text_of(body); });
     write_list("generators", scene_.generators, [&](const BoxCollider& g) { return text_of(g); });
+    if (!scene_.body_files.empty())
+      write_list("body_files", scene_.body_files, [&](const BodyFile& file) { return text_of(file); });
     if (!scene_.extra_bodies.empty())
       write_list("extra_bodies", scene_.extra_bodies, [&](const Body& body) { return text_of(body); });
     write_obstacles();
@@ -88,6 +90,19 @@ class SceneWriter {
     put_fields(object, generator_settings, generator);
     put_material(object, generator.material);
     if (!generator.excluded.empty()) object("excluded", list_text(generator.excluded));
+    return object.text();
+  }
+
+  std::string text_of(const BodyFile& file) const {
+    static const BodyFile usual;
+    ObjectText object;
+    for_each_field(
+        body_file_fields, [&]<auto member>(const Field<member>& field) {
+          if (is_field<member, &BodyFile::path> || !same_bits(file.*member, usual.*member))
+            put(object, field.key, field, file.*member);
+        });
+    if (file.material != 0) put_material(object, file.material);
+    if (!file.excluded.empty()) object("excluded", list_text(file.excluded));
     return object.text();
   }
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/body_count.h"
 #include "sim_cuda/scene/body_validator.h"
 #include "sim_cuda/scene/field_validator.h"
 #include "sim_cuda/scene/limits.h"
@@ -39,6 +40,7 @@ class SceneValidator {
     BodyValidator bodies(scene_, box_is_valid_, fields_);
     bodies.check_bodies("bodies", scene_.bodies);
     bodies.check_generators();
+    bodies.check_body_files();
     bodies.check_bodies("extra_bodies", scene_.extra_bodies);
     for (std::size_t i = 0; i < scene_.obstacles.size(); ++i) {
       check_plane(scene_.obstacles[i], {"obstacles", static_cast<std::int64_t>(i)});
@@ -176,6 +178,7 @@ class SceneValidator {
     if (scene_.joints.size() > static_cast<std::size_t>(limits::max_joints))
       fields_.fault(root, fmt::format("must be at most {} joints", limits::max_joints));
     std::int64_t bodies = static_cast<std::int64_t>(scene_.bodies.size() + scene_.extra_bodies.size());
+    for (const BodyFile& file : scene_.body_files) bodies += kept_of(file);
     for (const BoxCollider& generator : scene_.generators)
       bodies += std::clamp<std::int64_t>(generator.count, 0, limits::max_bodies) -
                 static_cast<std::int64_t>(generator.excluded.size());

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cerrno>
@@ -283,9 +284,10 @@ std::uint64_t hash_of_bodies(const InitialBodies& bodies) {
 
 void write_snapshot(const Snapshot& snapshot, const std::function<void(std::string_view)>& write) {
   std::string scene = write_scene(snapshot.scene), directory;
-  for (const Body& body : snapshot.scene.bodies)
-    if (body.shape == Shape::mesh)  // mesh files are stored by path, not copied
-      directory = std::filesystem::absolute(snapshot.scene.directory).string();
+  const auto is_mesh = [](const Body& body) { return body.shape == Shape::mesh; };
+  // Files of meshes and bodies are stored by path, not copied.
+  if (!snapshot.scene.body_files.empty() || std::ranges::any_of(snapshot.scene.bodies, is_mesh))
+    directory = std::filesystem::absolute(snapshot.scene.directory).string();
   Header header;
   const auto write_all = [&](Writer& writer) {
     writer.piece(&header, sizeof header);

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string_view>
 
+#include "sim_cuda/scene/body_count.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/object_reader.h"
 #include "sim_cuda/stability/criterion.h"

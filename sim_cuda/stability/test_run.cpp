@@ -12,6 +12,7 @@
 #include "sim_cuda/changes/changes_file.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/wall_clock.h"
+#include "sim_cuda/scene/body_count.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/stability/hard_case_simulation.h"
@@ -333,12 +334,7 @@ double TestRun::progress() const {
 }
 
 const TestResult& TestRun::result() const { return impl_->result; }
-std::int64_t TestRun::bodies() const {
-  const Scene& scene = impl_->hard_case.scene;
-  auto count = static_cast<std::int64_t>(scene.bodies.size() + scene.extra_bodies.size());
-  for (const BoxCollider& generator : scene.generators) count += generator.count;
-  return count;
-}
+std::int64_t TestRun::bodies() const { return bodies_of(impl_->hard_case.scene); }
 
 const TestConfiguration& TestRun::configuration() const { return impl_->configuration; }
 bool TestRun::fault_detected() const {

@@ -26,6 +26,10 @@ void check_object(const std::string& text);
 /// Checks an array, and its boxes if it has any.
 void check_npy(const std::string& bytes);
 void check_tree(const std::string& bytes);
+/// Checks a table of bodies of any format.
+void check_table(const std::string& bytes);
+/// Checks the text as URDF and as MJCF.
+void check_robot(const std::string& text);
 
 /// A scene as file text.
 std::string changed_scene();

@@ -9,6 +9,7 @@ namespace collidoscope {
 void fill_view(World& world, const StepStats& stats, const History& history, WorkspaceView& view) {
   view.scene = world.scene().name;
   view.generated = world.scene().generators.size() == 1;
+  view.has_body_file = world.scene().body_files.size() == 1;
   view.active_settings = settings_of(world);
   view.removed_bodies = view.other_bodies = 0;
   if (view.generated) {

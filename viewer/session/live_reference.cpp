@@ -25,6 +25,7 @@ Scene scene_of_now(World& world) {
   const BodyStates now = world.bodies();
   scene.box = initial.box;
   scene.generators.clear();
+  scene.body_files.clear();
   scene.extra_bodies.clear();
   scene.bodies.assign(initial.size(), {});
   for (std::size_t i = 0; i < initial.size(); ++i) {

@@ -1,0 +1,197 @@
+// Files that are dropped on the window replace the run. If a file cannot be opened, the run continues.
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "sim_cuda/core/error.h"
+#include "sim_cuda/import/columns.h"
+#include "sim_cuda/import/table_file.h"
+#include "sim_cuda/recording/series.h"
+#include "viewer/app_error_bar.h"
+
+namespace collidoscope {
+
+namespace {
+
+const std::vector<std::string>& quantity_names() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (std::size_t k = 0; k < quantity_count; ++k)
+      all.emplace_back(info_of(static_cast<BodyQuantity>(k)).name);
+    return all;
+  }();
+  return names;
+}
+
+/// The flag --columns of a choice. Columns whose names would be recognised, but are not used, are "none".
+std::string columns_flag(const ColumnsDialog& dialog, bool has_names) {
+  std::string flag;
+  for (std::size_t quantity = 0; quantity < quantity_count; ++quantity) {
+    const auto column = std::ranges::find(dialog.meaning, static_cast<int>(quantity));
+    const auto is_recognised = [&](const std::string& name) {
+      return quantity_of_column(name) == static_cast<BodyQuantity>(quantity);
+    };
+    std::string place;
+    if (column != dialog.meaning.end())
+      place = std::to_string(column - dialog.meaning.begin() + 1);
+    else if (has_names && std::ranges::any_of(dialog.names, is_recognised))
+      place = "none";
+    else
+      continue;
+    flag += (flag.empty() ? "" : ",") + quantity_names()[quantity] + "=" + place;
+  }
+  return flag;
+}
+
+/// The choice for a file, with the columns that `import` and the names give.
+ColumnsDialog dialog_of(const std::string& file, const ImportOptions& import) {
+  const FileFormat format = format_of(file);
+  const TablePreview preview = preview_body_table(file, format, import.frame);
+  ColumnsDialog dialog;
+  dialog.open = true;
+  dialog.file = file;
+  dialog.format = std::string(description_of(format));
+  dialog.has_names = !preview.names.empty();
+  dialog.names = preview.names;
+  for (std::size_t k = dialog.names.size(); k < preview.columns; ++k)
+    dialog.names.push_back(std::to_string(k + 1));
+  dialog.rows = preview.rows;
+  dialog.quantities = quantity_names();
+  dialog.meaning.assign(preview.columns, -1);
+  dialog.scale = import.scale;
+  dialog.radius = import.radius.value_or(0);
+  dialog.frame = import.frame;
+  try {
+    const ColumnChoice choice =
+        choose_columns(parse_column_map(import.columns, "--columns"), preview.names, preview.columns, file);
+    for (std::size_t k = 0; k < quantity_count; ++k)
+      if (choice.column[k]) dialog.meaning[*choice.column[k]] = static_cast<int>(k);
+  } catch (const InputError&) {
+    for (std::size_t k = 0; k < preview.names.size(); ++k)
+      if (const auto quantity = quantity_of_column(preview.names[k]);
+          quantity && std::ranges::find(dialog.meaning, static_cast<int>(*quantity)) == dialog.meaning.end())
+        dialog.meaning[k] = static_cast<int>(*quantity);
+  }
+  return dialog;
+}
+
+/// Why a file cannot be opened with these columns, or empty.
+std::string columns_fault(const ColumnsDialog& dialog) {
+  try {
+    const std::string flag = columns_flag(dialog, dialog.has_names);
+    if (flag.empty()) return "choose the columns of x, y and z";
+    std::span<const std::string> names;
+    if (dialog.has_names) names = dialog.names;
+    choose_columns(parse_column_map(flag, "--columns"), names, dialog.names.size(), "");
+  } catch (const InputError& error) {
+    std::string text = error.what();
+    text.erase(0, text.starts_with(": ") ? 2 : 0);
+    return text.substr(0, text.find(';'));  // without the flag
+  }
+  return "";
+}
+
+bool is_table(const std::string& file) {
+  switch (format_of(file)) {
+    case FileFormat::npy:
+    case FileFormat::npz:
+    case FileFormat::csv:
+    case FileFormat::xyz:
+    case FileFormat::lammps:
+    case FileFormat::ply:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+void App::open_dropped_files() {
+  if (window_.dropped_files().empty()) return;
+  CommandLine line;
+  line.command = Command::view;
+  line.operands = window_.dropped_files();
+  sort_by_numbers(line.operands);
+  window_.forget_dropped_files();
+  open_files(std::move(line));
+}
+
+/// Replaces the run. If the columns of a file are not known, they are asked for.
+void App::open_files(CommandLine line) {
+  workspace_.columns.open = false;
+  const auto start = std::make_shared<Start>();
+  const auto dialog = std::make_shared<ColumnsDialog>();
+  begin({"opening " + line.operands[0],
+         [this, line, start, dialog] {
+           try {
+             *start = load_start(line);
+           } catch (const InputError&) {
+             if (line.operands.size() > 1 || !is_table(line.operands[0])) throw;
+             ColumnsDialog choice = dialog_of(line.operands[0], line.options.import);
+             if (columns_fault(choice).empty()) throw;
+             *dialog = std::move(choice);
+             return;
+           }
+           live_.open(start->world(live_.world().options()));
+           if (start->recording) live_.take_recording(read_run(*start->recording));
+         },
+         [this, start, dialog] {
+           if (dialog->open) {
+             workspace_.columns = *dialog;
+             return;
+           }
+           run_before_cases_.reset();
+           stability_.no_case_shown();
+           show_another_scene();
+           workspace_.playing = false;
+           options_.view.pause_at.reset();
+           take_frames(*start);
+         }});
+}
+
+void App::follow_columns() {
+  ColumnsDialog& dialog = workspace_.columns;
+  const Scene& scene = live_.world().scene();
+  if (std::exchange(workspace_.columns_requested, false) && scene.body_files.size() == 1) {
+    const BodyFile& file = scene.body_files[0];
+    ImportOptions present{file.columns, {}, file.scale, file.frame};
+    if (file.table->radius.empty()) present.radius = file.radius;
+    dialog = dialog_of((std::filesystem::path(scene.directory) / file.path).string(), present);
+  }
+  if (!dialog.open) return;
+  dialog.fault = columns_fault(dialog);
+  if (!std::exchange(dialog.confirmed, false) || !dialog.fault.empty()) return;
+  CommandLine line;
+  line.command = Command::view;
+  line.operands = {dialog.file};
+  ImportOptions& import = line.options.import;
+  import.columns = columns_flag(dialog, dialog.has_names);
+  import.scale = dialog.scale;
+  import.frame = dialog.frame;
+  const auto has = [&](BodyQuantity quantity) {
+    return std::ranges::find(dialog.meaning, static_cast<int>(quantity)) != dialog.meaning.end();
+  };
+  if (dialog.radius > 0 && !has(BodyQuantity::radius) && !has(BodyQuantity::diameter))
+    import.radius = dialog.radius;
+  open_files(std::move(line));
+}
+
+/// An imported scene pauses at its first state. One with several frames pauses at the last one.
+void App::take_frames(const Start& start) {
+  if (!start.imported) return;
+  workspace_.playing = false;
+  std::string notice = imported_notice(start.scene);
+  if (!start.frames.empty()) {
+    live_.take_recording(run_of_frames(live_.world(), start.frames));
+    const std::int64_t last = std::ssize(start.frames) - 1;
+    if (!options_.view.pause_at) options_.view.pause_at = last;
+    notice += "; play shows the frames 0 to " + std::to_string(last);
+  }
+  show_notice(notice);
+}
+
+}  // namespace collidoscope
