@@ -39,10 +39,13 @@ void draw_table(Workspace& workspace, ColumnsDialog& dialog) {
   constexpr std::size_t most_columns = 60;  // of a table of Dear ImGui
   const int columns = static_cast<int>(std::min(dialog.names.size(), most_columns));
   const float width = 6.5f * ImGui::GetFontSize();
-  const float rows = static_cast<float>(dialog.rows.size()) + 2.2f;
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float row = ImGui::GetTextLineHeight() + 2 * style.CellPadding.y;
+  const float height = ImGui::GetFrameHeight() + 2 * style.CellPadding.y + style.ScrollbarSize +
+                       row * static_cast<float>(dialog.rows.size() + 1);
   constexpr ImGuiTableFlags flags = ImGuiTableFlags_Borders | ImGuiTableFlags_ScrollX |
                                     ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg;
-  if (!ImGui::BeginTable("##columns", columns, flags, {0, rows * ImGui::GetFrameHeightWithSpacing()})) return;
+  if (!ImGui::BeginTable("##columns", columns, flags, {0, height})) return;
   for (int k = 0; k < columns; ++k) ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, width);
   ImGui::TableNextRow();
   for (int k = 0; k < columns; ++k) {
@@ -80,7 +83,7 @@ void draw_columns_dialog(Workspace& workspace) {
   if (!dialog.open) return;
   const ScreenRect& at = workspace.scene_view;
   const float em = ImGui::GetFontSize();
-  const float width = std::clamp(6.9f * em * static_cast<float>(dialog.names.size()) + 2 * em, 26 * em,
+  const float width = std::clamp(7.3f * em * static_cast<float>(dialog.names.size()) + 2 * em, 26 * em,
                                  std::max(at.width - 2 * em, 26 * em));
   ImGui::SetNextWindowPos({at.x + at.width / 2, at.y + at.height / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({width, 0});

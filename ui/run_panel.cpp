@@ -107,7 +107,7 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
     track(workspace, "run.restart");
     explain("R: restart at state 0 with these settings");
     if (view.has_body_file) {
-      row_label("file of bodies");
+      row_label("file");
       if (ImGui::SmallButton("columns ...")) workspace.columns_requested = true;
       track(workspace, "run.columns");
       explain("Choose the columns, the radius and the unit of length, and open the file again");

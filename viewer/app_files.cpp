@@ -160,7 +160,8 @@ void App::follow_columns() {
     const BodyFile& file = scene.body_files[0];
     ImportOptions present{file.columns, {}, file.scale, file.frame};
     if (file.table->radius.empty()) present.radius = file.radius;
-    dialog = dialog_of((std::filesystem::path(scene.directory) / file.path).string(), present);
+    dialog =
+        dialog_of((std::filesystem::path(scene.directory) / file.path).lexically_normal().string(), present);
   }
   if (!dialog.open) return;
   dialog.fault = columns_fault(dialog);

@@ -171,7 +171,7 @@ class NpyReader {
   NpyReader(const std::string& name, std::size_t bytes, const TakeBytes& take)
       : name_(name), bytes_(bytes), take_(take) {}
 
-  NpyArray read() {
+  NpyLayout read_layout() {
     char start[12] = {};
     if (bytes_ < 10 || !take(start, 10) || std::string_view(start, npy_magic.size()) != npy_magic)
       fail(0, "no NumPy file", "the bytes \\x93NUMPY");
@@ -193,22 +193,29 @@ class NpyReader {
     if (!take(text.data(), length)) fail(begin, "the file ends", "the header");
     NpyHeader header(name_, text, begin);
     header.read();
-
-    NpyArray array;
-    array.element = header.code().element;
-    array.shape = header.shape();
-    array.fortran_order = header.fortran_order();
-    const std::size_t there = bytes_ - begin - length, needed = bytes_of(array.shape, header.code().bytes);
+    const NpyLayout layout{header.code().element, header.shape(),      header.fortran_order(),
+                           header.swapped(),      header.code().bytes, begin + length};
+    const std::size_t there = bytes_ - layout.begin, needed = bytes_of(layout.shape, layout.element_bytes);
     if (there != needed)
-      fail(begin + length, fmt::format("{} bytes of numbers", there),
+      fail(layout.begin, fmt::format("{} bytes of numbers", there),
            needed > there && needed >> 63 != 0
-               ? fmt::format("those of an array of shape {}", shape_text(array.shape))
-               : fmt::format("{} for an array of shape {}", needed, shape_text(array.shape)));
+               ? fmt::format("those of an array of shape {}", shape_text(layout.shape))
+               : fmt::format("{} for an array of shape {}", needed, shape_text(layout.shape)));
+    return layout;
+  }
+
+  NpyArray read() {
+    const NpyLayout layout = read_layout();
+    NpyArray array;
+    array.element = layout.element;
+    array.shape = layout.shape;
+    array.fortran_order = layout.fortran_order;
+    const std::size_t needed = bytes_ - layout.begin;
     array.bytes = std::make_unique_for_overwrite<std::byte[]>(needed);
-    if (!take(array.bytes.get(), needed)) fail(begin + length, "the file ends", "its numbers");
-    if (header.swapped())
-      for (std::size_t k = 0; k < needed; k += header.code().bytes)
-        std::reverse(array.bytes.get() + k, array.bytes.get() + k + header.code().bytes);
+    if (!take(array.bytes.get(), needed)) fail(layout.begin, "the file ends", "its numbers");
+    if (layout.swapped)
+      for (std::size_t k = 0; k < needed; k += layout.element_bytes)
+        std::reverse(array.bytes.get() + k, array.bytes.get() + k + layout.element_bytes);
     return array;
   }
 
@@ -234,10 +241,11 @@ NpyArray read_npy(const std::string& name, std::size_t bytes, const TakeBytes& t
                                  [&] { return NpyReader(name, bytes, take).read(); });
 }
 
-NpyArray read_npy(const std::string& name) {
-  const InputFile file(name, "a NumPy file (.npy)");
-  std::size_t at = 0;
-  return read_npy(name, file.bytes(), [&](void* to, std::size_t bytes) {
+namespace {
+
+/// Takes the bytes of a file one after the other, with several threads.
+TakeBytes bytes_in_order(const InputFile& file) {
+  return [&file, at = std::size_t{0}](void* to, std::size_t bytes) mutable {
     const std::size_t begin = at;
     at += bytes;
     std::atomic<bool> complete = true;
@@ -246,7 +254,19 @@ NpyArray read_npy(const std::string& name) {
         complete = false;
     });
     return complete.load();
-  });
+  };
+}
+
+}  // namespace
+
+NpyArray read_npy(const std::string& name) {
+  const InputFile file(name, "a NumPy file (.npy)");
+  return read_npy(name, file.bytes(), bytes_in_order(file));
+}
+
+NpyLayout read_npy_layout(const InputFile& file) {
+  const TakeBytes take = bytes_in_order(file);
+  return NpyReader(file.name(), file.bytes(), take).read_layout();
 }
 
 }  // namespace collidoscope

@@ -11,6 +11,8 @@
 
 namespace collidoscope {
 
+class InputFile;
+
 struct NpyArray {
   enum class Element { f32, f64, i8, i16, i32, i64, u8, u16, u32, u64 };
   Element element = Element::f32;
@@ -27,8 +29,13 @@ struct NpyArray {
   /// Returns `visit` of a pointer to the numbers, in their own type.
   template <class Visit>
   decltype(auto) visit(const Visit& visit) const {
+    return visit_numbers(element, bytes.get(), visit);
+  }
+  /// The same for numbers of a type elsewhere.
+  template <class Visit>
+  static decltype(auto) visit_numbers(Element element, const std::byte* numbers, const Visit& visit) {
     const auto as = [&]<class Number>(Number) -> decltype(auto) {
-      return visit(reinterpret_cast<const Number*>(bytes.get()));
+      return visit(reinterpret_cast<const Number*>(numbers));
     };
     switch (element) {
       case Element::f32:
@@ -62,6 +69,16 @@ std::string shape_text(const std::vector<std::size_t>& shape);
 /// Throws InputError: `FILE: byte N: problem, expected value`. Arrays of objects are refused, because they
 /// contain code; so are records and text.
 NpyArray read_npy(const std::string& file);
+
+/// What the header of a file says, and where its numbers begin.
+struct NpyLayout {
+  NpyArray::Element element = NpyArray::Element::f32;
+  std::vector<std::size_t> shape;
+  bool fortran_order = false, swapped = false;  ///< swapped: big-endian
+  std::size_t element_bytes = 4, begin = 0;     ///< bytes
+};
+/// Also checks that the file has all numbers. Throws InputError.
+NpyLayout read_npy_layout(const InputFile& file);
 
 /// Takes the next bytes of a file. Returns false if there are not so many.
 using TakeBytes = std::function<bool(void* to, std::size_t bytes)>;
