@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "sim_cuda/scene/broad_phase_methods.h"
@@ -127,6 +128,24 @@ TEST(BoxCommand, MeasuresEveryMethodOnBoxesOfAFile) {
   }
   EXPECT_GT(report["trees"].size(), 5u);
   for (const json& tree : report["trees"]) EXPECT_GT(tree["sah"], 0);
+}
+
+TEST(BoxCommand, TakesTheTrianglesOfAMesh) {
+  const TemporaryFolder folder;
+  // An open surface. The boxes of the first and the last triangle overlap; those of the others touch in a
+  // corner.
+  std::ofstream(folder / "mesh.obj")
+      << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nv 6 5 5\nv 5 6 7\nf 1 2 3\nf 4 5 6\nf 1 2 4\n";
+  const Outcome run = run_headless(
+      {"bvh", "--boxes", folder / "mesh.obj", "--executor", "cpu", "--repeats", "1", "--json", "-"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const json report = json::parse(run.out);
+  EXPECT_EQ(report["count"], 3);
+  EXPECT_EQ(report["pairs"], 2);
+  std::ofstream(folder / "bad.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n";
+  const Outcome bad = run_headless({"bvh", "--boxes", folder / "bad.obj"});
+  EXPECT_EQ(bad.status, 2);
+  EXPECT_THAT(bad.err, HasSubstr("bad.obj:4:1: the face uses vertex 4, but the number of vertices is 3"));
 }
 
 TEST(BoxCommand, RefusesWhatItCannotUse) {

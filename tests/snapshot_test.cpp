@@ -184,7 +184,7 @@ TEST(Snapshot, AMeshThatHasChangedIsRefused) {
     world_from(snapshot, snapshot.scene, o);
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("a mesh file may have changed"));
+    EXPECT_THAT(error.what(), HasSubstr("a file of meshes or bodies may have changed"));
   }
 }
 

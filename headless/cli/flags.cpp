@@ -274,8 +274,10 @@ std::vector<Flag> all_flags() {
        {"--frame", "K", "frame of a file of bodies with several, from 0 [0]",
         whole<0, 1'000'000'000, &Options::import, &ImportOptions::frame>}});
   add("Benchmarks", grading,
-      {{"--boxes", "FILE.npy",
-        "boxes instead of the scene: a NumPy array of shape (n, 6), min x, y, z, max x, y, z of each box",
+      {{"--boxes", "FILE",
+        "boxes instead of the scene: a NumPy array of shape (n, 6), min x, y, z, max x, y, z of each box; or "
+        "those of "
+        "the triangles of a mesh (OBJ, STL, PLY)",
         file<bench, &BenchRequest::boxes>},
        {"--tree", "FILE.npy",
         "a tree over --boxes, to measure beside ours: shape (m, 8), box, parent row and box index of each "

@@ -2,11 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/core/out_of_memory.h"
+#include "sim_cuda/import/file_format.h"
+#include "sim_cuda/import/input_file.h"
 #include "sim_cuda/import/npy.h"
 #include "sim_cuda/import/outwards.h"
+#include "sim_cuda/import/surface.h"
 #include "sim_cuda/scene/limits.h"
 
 namespace collidoscope {
@@ -14,9 +20,38 @@ namespace {
 
 constexpr std::size_t most_faults = 20;
 
+std::vector<Aabb> boxes_of_triangles(const std::string& name) {
+  const InputFile file(name, "a mesh");
+  const FileText contents(file);
+  const Surface surface = read_surface(contents.text(), name);
+  std::vector<Aabb> boxes;
+  for (const std::array<std::uint32_t, 3>& triangle : triangles_of(surface)) {
+    Aabb& box = boxes.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      const double a = surface.vertices[triangle[0]][k], b = surface.vertices[triangle[1]][k],
+                   c = surface.vertices[triangle[2]][k];
+      box.min[k] = rounded_outwards(std::min({a, b, c}), -1);
+      box.max[k] = rounded_outwards(std::max({a, b, c}), 1);
+    }
+  }
+  if (boxes.empty() || boxes.size() > static_cast<std::size_t>(limits::max_bodies))
+    throw InputError(
+        fmt::format("{}: {} triangles, expected 1 to {}", name, boxes.size(), limits::max_bodies));
+  return boxes;
+}
+
+bool is_mesh_file(const std::string& file) {
+  std::error_code failed;
+  if (!std::filesystem::is_regular_file(file, failed)) return false;
+  const FileFormat format = format_of(file);
+  return format == FileFormat::obj || format == FileFormat::stl || format == FileFormat::ply;
+}
+
 }  // namespace
 
 std::vector<Aabb> read_boxes(const std::string& file) {
+  if (is_mesh_file(file))
+    return with_allocation_context("reading a mesh", [&] { return boxes_of_triangles(file); });
   const NpyArray array = read_npy(file);
   const std::vector<std::size_t>& shape = array.shape;
   const bool is_flat = shape.size() == 2 && shape[1] == 6;

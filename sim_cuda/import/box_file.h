@@ -8,9 +8,10 @@
 
 namespace collidoscope {
 
-/// Reads boxes from a NumPy file: an array of shape (n, 6), a row for each box: min x, y, z, max x, y, z; or
-/// of shape (n, 2, 3). Broad phases use single precision. Other numbers are rounded outwards, so that no
-/// overlap is lost. Throws InputError with a line for each faulty row, at most 20.
+/// Reads the boxes of the triangles of a mesh (OBJ, STL or PLY, also open), or boxes from a NumPy file: an
+/// array of shape (n, 6), a row for each box: min x, y, z, max x, y, z; or of shape (n, 2, 3). Broad phases
+/// use single precision. Other numbers are rounded outwards, so that no overlap is lost. Throws InputError
+/// with a line for each faulty row, at most 20.
 std::vector<Aabb> read_boxes(const std::string& file);
 
 }  // namespace collidoscope

@@ -7,6 +7,7 @@
 #include <charconv>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/import/text_rows.h"
 #include "sim_cuda/scene/limits.h"
 
 namespace collidoscope {
@@ -39,17 +40,6 @@ constexpr BodyQuantityInfo quantities[quantity_count] = {
     {"qy", " quaty orientationy ", "", -1e9, 1e9},
     {"qz", " quatz orientationz ", "", -1e9, 1e9}};
 
-/// "Pos_X [m]" as "posx".
-std::string plain_name(std::string_view name) {
-  std::string plain;
-  for (const char c : name) {
-    if ((c == '[' || c == '(') && !plain.empty()) break;
-    if (c >= 'A' && c <= 'Z') plain += static_cast<char>(c - 'A' + 'a');
-    if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')) plain += c;
-  }
-  return plain;
-}
-
 std::string quantity_names() {
   std::vector<std::string_view> names;
   for (const BodyQuantityInfo& quantity : quantities) names.push_back(quantity.name);
@@ -62,20 +52,12 @@ std::optional<BodyQuantity> quantity_named(std::string_view name) {
   return static_cast<BodyQuantity>(found - std::begin(quantities));
 }
 
-/// Text of a file, safe in a line of output.
-std::string shown_name(std::string_view name) {
-  std::string text(name.substr(0, 40));
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) == 0x7f) c = '?';
-  return text;
-}
-
 std::string columns_text(std::span<const std::string> names, std::size_t count) {
   if (names.empty()) return fmt::format("{} columns without names", count);
   std::string text = "the columns ";
   constexpr std::size_t most = 20;
   for (std::size_t k = 0; k < std::min(names.size(), most); ++k)
-    text += fmt::format("{}{}", k > 0 ? ", " : "", shown_name(names[k]));
+    text += fmt::format("{}{}", k > 0 ? ", " : "", shown_text(names[k]));
   return text + (names.size() > most ? ", ..." : "");
 }
 
@@ -96,6 +78,16 @@ const BodyQuantityInfo& info_of(BodyQuantity quantity) {
   return quantities[static_cast<std::size_t>(quantity)];
 }
 
+std::string plain_name(std::string_view name) {
+  std::string plain;
+  for (const char c : name) {
+    if ((c == '[' || c == '(') && !plain.empty()) break;
+    if (c >= 'A' && c <= 'Z') plain += static_cast<char>(c - 'A' + 'a');
+    if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')) plain += c;
+  }
+  return plain;
+}
+
 std::optional<BodyQuantity> quantity_of_column(const std::string& column) {
   const std::string plain = plain_name(column);
   if (plain.empty()) return std::nullopt;
@@ -114,12 +106,12 @@ ColumnMap parse_column_map(std::string_view text, const std::string& whose) {
     text.remove_prefix(std::min(comma + 1, text.size()));
     const std::size_t equals = part.find('=');
     if (equals == std::string_view::npos || equals + 1 == part.size())
-      throw InputError(fmt::format("{}: {} is not QUANTITY=COLUMN, such as radius=4 or x=pos_x", whose,
-                                   part.empty() ? "''" : shown_name(part)));
+      throw InputError(
+          fmt::format("{}: {} is not QUANTITY=COLUMN, such as radius=4 or x=pos_x", whose, shown_text(part)));
     const std::optional<BodyQuantity> quantity = quantity_named(part.substr(0, equals));
     if (!quantity)
       throw InputError(fmt::format("{}: unknown quantity {}, expected {}", whose,
-                                   shown_name(part.substr(0, equals)), quantity_names()));
+                                   shown_text(part.substr(0, equals)), quantity_names()));
     if (std::ranges::find(map.columns, *quantity, &std::pair<BodyQuantity, std::string>::first) !=
         map.columns.end())
       throw InputError(fmt::format("{}: {} is given twice, expected once", whose, info_of(*quantity).name));
@@ -148,7 +140,7 @@ ColumnChoice choose_columns(const ColumnMap& map, std::span<const std::string> n
     if (column == "none") continue;
     choice[quantity] = column_of(column, names, count);
     if (!choice.has(quantity))
-      throw InputError(fmt::format("{}: no column {} for {}; there are {}", place, shown_name(column),
+      throw InputError(fmt::format("{}: no column {} for {}; there are {}", place, shown_text(column),
                                    info_of(quantity).name, columns_text(names, count)));
   }
   const ColumnChoice given = choice;
@@ -181,7 +173,7 @@ std::string unused_columns(const ColumnChoice& choice, std::span<const std::stri
   std::vector<std::string> unused;
   for (std::size_t k = 0; k < count; ++k)
     if (std::ranges::find(choice.column, std::optional(k)) == choice.column.end())
-      unused.push_back(k < names.size() ? shown_name(names[k]) : fmt::to_string(k + 1));
+      unused.push_back(k < names.size() ? shown_text(names[k]) : fmt::to_string(k + 1));
   if (unused.empty()) return "";
   constexpr std::size_t most = 12;
   const std::size_t more = unused.size() > most ? unused.size() - most : 0;

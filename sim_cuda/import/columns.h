@@ -47,6 +47,8 @@ struct ColumnChoice {
 ColumnChoice choose_columns(const ColumnMap& map, std::span<const std::string> names, std::size_t count,
                             const std::string& place);
 
+/// A name in lower-case letters and digits, without a unit: "Pos_X [m]" is "posx".
+std::string plain_name(std::string_view name);
 /// The quantity of a column of this name.
 std::optional<BodyQuantity> quantity_of_column(const std::string& column);
 

@@ -12,6 +12,7 @@
 #include "sim_cuda/import/input_file.h"
 #include "sim_cuda/import/npy.h"
 #include "sim_cuda/import/table_file.h"
+#include "sim_cuda/import/text_rows.h"
 
 namespace collidoscope {
 namespace {
@@ -70,7 +71,7 @@ class NpzArchive {
         throw InputError(
             fmt::format("{}: {} has {} bytes, compressed to {}; expected at most {}, or less "
                         "compression",
-                        name_, printable_name(name), stat.size, stat.comp_size, unsuspicious_bytes));
+                        name_, shown_text(name), stat.size, stat.comp_size, unsuspicious_bytes));
       all.push_back({std::string(name), index, static_cast<std::size_t>(stat.size)});
     }
     return all;
@@ -79,7 +80,7 @@ class NpzArchive {
   NpyArray read(const Member& member) const {
     const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> stream(
         zip_fopen_index(archive_.get(), member.index, 0), &zip_fclose);
-    const std::string whole_name = fmt::format("{}: {}.npy", name_, printable_name(member.name));
+    const std::string whole_name = fmt::format("{}: {}.npy", name_, shown_text(member.name));
     if (stream == nullptr)
       throw InputError(fmt::format("{}: cannot be read ({})", whole_name, zip_strerror(archive_.get())));
     return read_npy(whole_name, member.bytes, [&](void* to, std::size_t bytes) {
@@ -92,31 +93,15 @@ class NpzArchive {
     });
   }
 
-  static std::string printable_name(std::string_view name) {
-    std::string text(name.substr(0, 60));
-    for (char& c : text)
-      if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
-    return text;
-  }
-
  private:
   std::string name_;
   std::unique_ptr<zip_t, void (*)(zip_t*)> archive_;
 };
 
-std::string plain_array_name(std::string_view name) {
-  std::string plain;
-  for (const char c : name) {
-    if (c >= 'A' && c <= 'Z') plain += static_cast<char>(c - 'A' + 'a');
-    if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')) plain += c;
-  }
-  return plain;
-}
-
 /// The names of an array's columns.
 std::vector<std::string> column_names(const std::string& name, std::size_t columns) {
   if (columns == 1) return {name};
-  const std::string padded = " " + plain_array_name(name) + " ";
+  const std::string padded = " " + plain_name(name) + " ";
   std::vector<std::string> names;
   for (const VectorName& vector : vector_names)
     if (columns == 3 && vector.names.find(padded) != std::string_view::npos)
@@ -165,8 +150,7 @@ BodyTable read_npz_bodies(const std::string& file, const TableOptions& options) 
     const std::size_t columns = columns_of(arrays[k]);
     // Other arrays, such as a time, are not of bodies.
     if (columns == 0 || arrays[k].shape[0] != *rows) {
-      unused.push_back(
-          fmt::format("{} {}", NpzArchive::printable_name(members[k].name), shape_text(arrays[k].shape)));
+      unused.push_back(fmt::format("{} {}", shown_text(members[k].name), shape_text(arrays[k].shape)));
       continue;
     }
     const std::vector<std::string> own = column_names(members[k].name, columns);

@@ -107,11 +107,6 @@ Surface read_text_stl(std::string_view text, const std::string& file) {
 
 }  // namespace
 
-std::string place_text(const Surface& surface, const std::string& file, std::uint32_t place) {
-  return surface.places_are_lines ? fmt::format("{}:{}:1", file, place)
-                                  : fmt::format("{}: facet {}", file, place);
-}
-
 Surface read_stl_surface(std::string_view bytes, const std::string& file) {
   if (bytes.size() >= stl_header) {
     std::uint32_t facets = 0;

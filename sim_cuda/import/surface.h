@@ -1,6 +1,7 @@
 #pragma once
 // Surfaces of mesh files: vertices and polygons, before they are checked.
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -21,9 +22,17 @@ struct Surface {
   bool places_are_lines = true;  ///< else facets
 };
 
-/// Reads STL, text or binary. Vertices at the same place are merged. Throws InputError.
+/// Reads OBJ, STL or PLY, detected by content. All corners are vertices; whether the surface is closed is not
+/// checked. Throws InputError.
+Surface read_surface(std::string_view bytes, const std::string& file);
+/// Polygons as fans of triangles.
+std::vector<std::array<std::uint32_t, 3>> triangles_of(const Surface& surface);
+
+/// Strict reader of Wavefront OBJ: scene/mesh.h says what it reads.
+Surface read_obj_surface(std::string_view text, const std::string& file);
+/// Text or binary. Vertices at the same place are merged; facets without area are left out.
 Surface read_stl_surface(std::string_view bytes, const std::string& file);
-/// Reads vertices and faces of a PLY file, text or binary. Throws InputError.
+/// Vertices and faces; text or binary.
 Surface read_ply_surface(std::string_view bytes, const std::string& file);
 
 /// "file:3:1" or "file: facet 3".

@@ -35,13 +35,6 @@ const char* end_of_field(const char* at, const char* end, char separator) {
   return at;
 }
 
-std::string shown_field(std::string_view field) {
-  std::string text(field.substr(0, 40));
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
-  return text.empty() ? "''" : text;
-}
-
 }  // namespace
 
 std::string_view take_line(std::string_view& text) {
@@ -80,6 +73,13 @@ bool is_number(std::string_view field, double& number) {
   const char* const end = field.data() + field.size();
   const auto [stop, error] = std::from_chars(field.data(), end, number);
   return error == std::errc{} && stop == end && !field.empty();
+}
+
+std::string shown_text(std::string_view text) {
+  std::string shown(text.substr(0, 40));
+  for (char& c : shown)
+    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
+  return shown.empty() ? "''" : shown;
 }
 
 TextRows::TextRows(std::string file, std::string_view text, std::size_t first_line, char separator,
@@ -164,9 +164,9 @@ bool TextRows::read_row(std::string_view line, std::size_t row, const std::vecto
         field = field.substr(1, field.size() - 2);
       double number = 0;
       if (!is_number(field, number))
-        return refuse(at, fmt::format("{} is not a number, expected {}", shown_field(field),
+        return refuse(at, fmt::format("{} is not a number, expected {}", shown_text(field),
                                       info_of(target.quantity).name));
-      if (!target.store(row, number)) return refuse(at, range_fault(target, shown_field(field)));
+      if (!target.store(row, number)) return refuse(at, range_fault(target, shown_text(field)));
     }
     const bool is_last = k + 1 == targets.size();
     if (!is_last && stop == end && separator_ != ' ')

@@ -19,6 +19,10 @@ std::vector<std::string_view> fields_of(std::string_view line, char separator);
 /// A finite number, or infinity, or nan. Returns whether the whole field is one.
 bool is_number(std::string_view field, double& number);
 
+/// Text of a file as it may stand in a line of output: without control characters, at most 40 bytes; '' if
+/// empty.
+std::string shown_text(std::string_view text);
+
 class TextRows {
  public:
   /// `text`: the rows alone. Lines without fields are skipped, and with `comments` those that begin with #.

@@ -108,11 +108,15 @@ Scene import_scene(const std::string& file, FileFormat format, const ImportOptio
   scene.physics.gravity = Vector3d(0, 0, 0);
   const bool is_mesh = format == FileFormat::obj || format == FileFormat::stl ||
                        (format == FileFormat::ply && ply_has_faces(file));
+  const bool is_robot = format == FileFormat::urdf || format == FileFormat::mjcf;
+  if ((is_mesh || is_robot) && options.any())
+    throw InputError(fmt::format("--columns, --radius, --scale, --frame: {} is no table of bodies ({})", file,
+                                 description_of(format)));
   if (is_mesh) {
     Body& body = scene.bodies.emplace_back();
     body.shape = Shape::mesh;
     body.mesh = path.filename().string();
-  } else if (format == FileFormat::urdf || format == FileFormat::mjcf) {
+  } else if (is_robot) {
     import_robot(format, scene);
   } else {
     import_table(format, options, scene);

@@ -17,8 +17,9 @@ World world_from(const Snapshot& snapshot, const Scene& scene, const RunOptions&
   World world(scene, options, &snapshot.state);
   if (write_scene(scene) == write_scene(snapshot.scene) &&
       hash_of_bodies(world.initial()) != snapshot.bodies_hash)
-    throw InputError(scene.file +
-                     ": the bodies of its scene differ from those at saving; a mesh file may have changed");
+    throw InputError(
+        scene.file +
+        ": the bodies of its scene differ from those at saving; a file of meshes or bodies may have changed");
   return world;
 }
 
