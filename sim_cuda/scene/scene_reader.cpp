@@ -156,7 +156,9 @@ class SceneReader {
     const JsonNode* const path = reader.member("path");
     if (reader.is_object() && path == nullptr) reading_.fault(node, "a file of bodies must have a \"path\"");
     reader.finish();
-    if (path == nullptr || reading_.faults.size() > known_faults ||
+    // validate() reports values out of range.
+    const bool in_range = file.frame >= 0 && file.scale > 0 && std::isfinite(file.scale);
+    if (path == nullptr || !in_range || reading_.faults.size() > known_faults ||
         scene_.body_files.size() > most_body_files)
       return;
     try {
