@@ -24,6 +24,8 @@
 #include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/recording/recorder.h"
 #include "sim_cuda/run/checkpoint.h"
+#include "sim_cuda/scene/relocated_scene.h"
+#include "sim_cuda/scene/scene_file.h"
 #include "sim_cuda/stability/offending_body.h"
 #include "sim_cuda/world.h"
 
@@ -38,7 +40,7 @@ double seconds_since(Clock::time_point start) {
 
 /// Output files of a run, all opened before the simulation starts. Throws one InputError for all files.
 struct Outputs {
-  std::optional<OutputFile> json, bodies, dynamics, energy, snapshot;
+  std::optional<OutputFile> json, bodies, dynamics, energy, snapshot, scene;
 
   explicit Outputs(const Options& options) {
     std::vector<std::string> faults;
@@ -55,9 +57,10 @@ struct Outputs {
     open(dynamics, "--dump-dynamics", options.dump_dynamics);
     open(energy, "--energy-trace", options.energy_trace);
     open(snapshot, "--save", options.save);
+    open(scene, "--write-scene", options.write_scene);
     if (!faults.empty()) throw InputError(faults);
   }
-  bool any() const { return json || bodies || dynamics || energy || snapshot; }
+  bool any() const { return json || bodies || dynamics || energy || snapshot || scene; }
 };
 
 /// Ends a run with output files at a signal, without ending the program. On the CPU the current step is
@@ -101,6 +104,14 @@ World make_world(const Start& start, const RunOptions& options) {
   if (!world.initial().meshes.empty())
     std::fputs("note: mesh bodies collide as their bounding spheres\n", stderr);
   return world;
+}
+
+/// The scene of --write-scene, as text.
+std::string scene_to_write(const Scene& scene, const std::string& file) try {
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  return write_scene(relocated_scene(scene, folder.empty() ? "." : folder.string()));
+} catch (const InputError& error) {
+  throw InputError(std::string("--write-scene: ") + error.what());
 }
 
 std::string trace_row(const StepStats& s) {
@@ -234,6 +245,8 @@ bool as_recorded(World& world, const ChangeReplay& replay, const std::string& fi
 int run_command(const CommandLine& line) {
   const Options& options = line.options;
   Start start = load_start(line);
+  const std::string scene =
+      options.write_scene.empty() ? "" : scene_to_write(start.scene, options.write_scene);
   RunOptions how = options.run;
   ChangeReplay replay(options.changes, start, how);
   Outputs outputs(options);
@@ -280,13 +293,15 @@ int run_command(const CommandLine& line) {
     if (outputs.dynamics) write_body_dynamics(world, into(*outputs.dynamics));
     if (outputs.energy) outputs.energy->write(trace);
     if (outputs.snapshot) write_snapshot(snapshot_of(world), into(*outputs.snapshot));
+    if (outputs.scene) outputs.scene->write(scene);
     if (outputs.json) into (*outputs.json)(to_json(report));
     InterruptHandler::work_ended();
     if (save_on_failure) {  // another run may have created the file meanwhile
       while (!outputs.snapshot->commit_new(failed_at)) failed_at = failure_file(world, failed_step);
       outputs.snapshot.reset();
     }
-    for (auto* file : {&outputs.bodies, &outputs.dynamics, &outputs.energy, &outputs.snapshot, &outputs.json})
+    for (auto* file : {&outputs.bodies, &outputs.dynamics, &outputs.energy, &outputs.snapshot, &outputs.scene,
+                       &outputs.json})
       if (*file) (*file)->commit();
   });
   std::exception_ptr not_printed;  // the run's failure is reported in any case

@@ -120,6 +120,25 @@ TEST_F(ForeignFiles, SayWhatIsNotTaken) {
   EXPECT_THAT(notes({file("dump.lammpstrj")}), HasSubstr("columns not used: type\n"));
 }
 
+TEST_F(ForeignFiles, KeepTheirColumnsInASceneFile) {
+  const auto hash_of = [](const std::vector<std::string>& arguments) -> std::string {
+    std::vector<std::string> all{"run", "--steps", "2", "--executor", "cpu", "--json", "-"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const Outcome run = run_headless(all);
+    EXPECT_EQ(run.status, 0) << run.err;
+    return run.status == 0 ? json::parse(run.out)["state_hash"] : json("");
+  };
+  const std::string written = hash_of({file("shuffled.csv"), "--columns", "vz=none", "--scale", "0.5",
+                                       "--gravity", "0,0,-1", "--write-scene", file("scene.json")});
+  EXPECT_EQ(hash_of({file("scene.json")}), written);
+  EXPECT_NE(hash_of({file("shuffled.csv")}), written);
+  std::filesystem::create_directory(file("below"));
+  const Outcome refused =
+      run_headless({"run", file("shuffled.csv"), "--steps", "0", "--write-scene", file("below/scene.json")});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--write-scene: shuffled.csv is not in the folder of the scene"));
+}
+
 TEST_F(ForeignFiles, RefuseWhatIsUnsafe) {
   const auto refusal = [&](const std::string& name) {
     const Outcome run = run_headless({"run", file(name), "--steps", "0"});

@@ -61,7 +61,7 @@ TEST(TuneCommand, WritesTheSameNumbersToAllFiles) {
     EXPECT_EQ(result["measurements"][0]["value"], cell["ms"]);
     EXPECT_EQ(result["times"]["runtimes"], entry["times"]);
   }
-  EXPECT_GT(measured, 4u);
+  EXPECT_GT(measured, 1u) << "one shape cannot be mixed up with another";
   EXPECT_EQ(t4["results"].size(), measured);
   EXPECT_EQ(cache["cache"].size(), measured);
 }

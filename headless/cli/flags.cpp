@@ -339,6 +339,10 @@ std::vector<Flag> all_flags() {
   add("Snapshots, changes, recordings", running,
       {{"--changes", "FILE", "changes of settings and bodies during the run", file<&Options::changes>},
        {"--save", "FILE", "write a snapshot of the last state, for --load", file<&Options::save>},
+       {"--write-scene", "FILE",
+        "write the scene with the settings of these flags as a scene file; files of bodies must be in its "
+        "folder",
+        file<&Options::write_scene>},
        {"--record", "FILE", "record the run: states, changes, hashes; replay verifies it",
         file<&Options::record>}});
   return all;

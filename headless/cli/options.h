@@ -83,6 +83,7 @@ struct Options {
   std::string dump_dynamics;          ///<
   std::string energy_trace;           ///<
   std::string save, load;             ///< snapshots, or empty
+  std::string write_scene;            ///< scene file, or empty
   std::string record;                 ///< recording, or empty
   std::string changes;                ///< of `run`: what is changed on the way, or empty
   bool residuals = false;             ///< of the last step
