@@ -327,10 +327,12 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments, std::s
 }
 
 CommandLine parse_viewer_line(const std::vector<std::string>& arguments) {
+  const std::string series_help =
+      std::string(optional_scene.help) + "; several files of bodies are the frames of a run";
   const CommandInfo viewer{"collidoscope",
                            Command::view,
                            "The window.",
-                           {{optional_scene.name, optional_scene.help, false, true}}};
+                           {{optional_scene.name, series_help.c_str(), false, true}}};
   CLI::App app("Collidoscope in a window.", viewer.name);
   set_up(app);
   app.set_version_flag("--version", "collidoscope " COLLIDOSCOPE_VERSION, "print the version and exit");

@@ -259,9 +259,10 @@ std::vector<Flag> all_flags() {
         list<&word<broad_phase_names>, bench, &BenchRequest::methods>}});
   add("Files of bodies", stepping,
       {{"--columns", "MAP",
-        "SCENE is a file of bodies: its columns, by name or number from 1: x=px,y=py,z=pz,radius=4; "
-        "quantities: id, "
-        "x, y, z, radius, diameter, mass, vx, vy, vz, wx, wy, wz, qw, qx, qy, qz [by their names]",
+        "SCENE is a file of bodies: columns of quantities, by name or number from 1, or none: "
+        "x=px,y=py,radius=4,vx=none; quantities: id, x, y, z, radius, diameter, mass, vx, vy, vz, wx, wy, "
+        "wz, qw, qx, "
+        "qy, qz [by the names of the columns]",
         columns},
        {"--radius", "R", "m: radius of bodies in a file without radii [a quarter of their mean distance]",
         [](FlagValue& value, Options& options) {

@@ -107,12 +107,11 @@ inline constexpr auto body_file_fields = std::tuple{
         .key = "path",
         .help = "path of a NPY, NPZ, CSV, XYZ, LAMMPS or PLY file from the scene file's folder, and in it",
         .fallback = "required"},
-    Field<&BodyFile::columns>{
-        .key = "columns",
-        .help =
-            "columns of the file, by name or number from 1: `x=px,y=py,radius=4`; quantities: id, x, y, z, "
-            "radius, diameter, mass, vx, vy, vz, wx, wy, wz, qw, qx, qy, qz",
-        .fallback = "by their names in the file"},
+    Field<&BodyFile::columns>{.key = "columns",
+                              .help = "columns of quantities, by name or number from 1, or none: "
+                                      "`x=px,radius=4,vx=none`; quantities: id, x, y, z, "
+                                      "radius, diameter, mass, vx, vy, vz, wx, wy, wz, qw, qx, qy, qz",
+                              .fallback = "by their names in the file"},
     detail::number<&BodyFile::scale>("scale", "length of the file's unit", "m", 1e-15, 1e15),
     detail::number<&BodyFile::radius>("radius", "radius of all its bodies; only if the file has no radii",
                                       "m", limits::min_radius, limits::max_radius, "radii of the file"),
