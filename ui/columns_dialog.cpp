@@ -40,9 +40,9 @@ void draw_table(Workspace& workspace, ColumnsDialog& dialog) {
   const int columns = static_cast<int>(std::min(dialog.names.size(), most_columns));
   const float width = 6.5f * ImGui::GetFontSize();
   const ImGuiStyle& style = ImGui::GetStyle();
-  const float row = ImGui::GetTextLineHeight() + 2 * style.CellPadding.y;
+  const float row_height = ImGui::GetTextLineHeight() + 2 * style.CellPadding.y;
   const float height = ImGui::GetFrameHeight() + 2 * style.CellPadding.y + style.ScrollbarSize +
-                       row * static_cast<float>(dialog.rows.size() + 1);
+                       row_height * static_cast<float>(dialog.rows.size() + 1);
   constexpr ImGuiTableFlags flags = ImGuiTableFlags_Borders | ImGuiTableFlags_ScrollX |
                                     ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg;
   if (!ImGui::BeginTable("##columns", columns, flags, {0, height})) return;

@@ -16,7 +16,7 @@ namespace collidoscope {
 
 namespace {
 
-const std::vector<std::string>& quantity_names() {
+const std::vector<std::string>& body_quantity_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
     for (std::size_t k = 0; k < quantity_count; ++k)
@@ -41,7 +41,7 @@ std::string columns_flag(const ColumnsDialog& dialog, bool has_names) {
       place = "none";
     else
       continue;
-    flag += (flag.empty() ? "" : ",") + quantity_names()[quantity] + "=" + place;
+    flag += (flag.empty() ? "" : ",") + body_quantity_names()[quantity] + "=" + place;
   }
   return flag;
 }
@@ -59,7 +59,7 @@ ColumnsDialog dialog_of(const std::string& file, const ImportOptions& import) {
   for (std::size_t k = dialog.names.size(); k < preview.columns; ++k)
     dialog.names.push_back(std::to_string(k + 1));
   dialog.rows = preview.rows;
-  dialog.quantities = quantity_names();
+  dialog.quantities = body_quantity_names();
   dialog.meaning.assign(preview.columns, -1);
   dialog.scale = import.scale;
   dialog.radius = import.radius.value_or(0);

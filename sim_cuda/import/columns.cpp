@@ -40,7 +40,7 @@ constexpr BodyQuantityInfo quantities[quantity_count] = {
     {"qy", " quaty orientationy ", "", -1e9, 1e9},
     {"qz", " quatz orientationz ", "", -1e9, 1e9}};
 
-std::string quantity_names() {
+std::string body_quantity_names() {
   std::vector<std::string_view> names;
   for (const BodyQuantityInfo& quantity : quantities) names.push_back(quantity.name);
   return fmt::format("{}", fmt::join(names, ", "));
@@ -111,7 +111,7 @@ ColumnMap parse_column_map(std::string_view text, const std::string& whose) {
     const std::optional<BodyQuantity> quantity = quantity_named(part.substr(0, equals));
     if (!quantity)
       throw InputError(fmt::format("{}: unknown quantity {}, expected {}", whose,
-                                   shown_text(part.substr(0, equals)), quantity_names()));
+                                   shown_text(part.substr(0, equals)), body_quantity_names()));
     if (std::ranges::find(map.columns, *quantity, &std::pair<BodyQuantity, std::string>::first) !=
         map.columns.end())
       throw InputError(fmt::format("{}: {} is given twice, expected once", whose, info_of(*quantity).name));
