@@ -83,7 +83,7 @@ TEST_F(ViewerFiles, AskForColumnsThatTheyDoNotName) {
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["bodies"] == 2; }));
   EXPECT_EQ(shown_hash(window), hash_of({name, "--columns", "x=c,y=b,z=a"}));
 
-  // Chosen anew: without the column r, with a radius in another unit.
+  // A second choice: the column r is not used; a radius, and a unit of 2 m.
   window.click("run.columns");
   choose("columns.4", "not used");
   window.type_into("columns.radius", "3");

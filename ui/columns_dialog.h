@@ -17,8 +17,8 @@ struct ColumnsDialog {
   std::vector<int> meaning;                    ///< of each column: index into `quantities`, or -1
   double radius = 0;                           ///< m, if no column has it; 0: assumed
   double scale = 1;                            ///< m per unit of length in the file
-  std::int64_t frame = 0, frames = 1;
-  std::string fault;       ///< why the file cannot be opened so; set by the window
+  std::int64_t frame = 0;                      ///< of a file with several
+  std::string fault;       ///< why the file cannot be opened with this choice; set by the window
   bool confirmed = false;  ///< request: open the file
 };
 

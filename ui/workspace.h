@@ -167,7 +167,7 @@ struct Workspace {
   }
 
   ColumnsDialog columns;            ///< of a file of bodies that is being opened
-  bool columns_requested = false;   ///< request: choose the columns of the file anew
+  bool columns_requested = false;   ///< request: choose the columns of the file again
   std::vector<std::string> errors;  ///< shown until dismissed
   std::string notice;               ///< message about the last action, shown for some seconds
 

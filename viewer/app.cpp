@@ -10,6 +10,7 @@
 #include "headless/cli/tuned_option.h"
 #include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/recording/series.h"
 #include "sim_cuda/scene/body_count.h"
 #include "sim_cuda/scene/box_collider.h"
 #include "ui/colored_levels.h"
@@ -76,7 +77,8 @@ App::App(const Start& start, const Options& options)
   workspace_.settings = known_settings_ = live_.settings();
   workspace_.has_timeline = true;
   if (!live_.world().initial().meshes.empty()) show_notice("mesh bodies collide as their bounding spheres");
-  take_frames(start);
+  if (!start.frames.empty()) live_.take_recording(run_of_frames(live_.world(), start.frames));
+  show_import(start);
 }
 
 /// Makes the world, which may take long. Shows a message meanwhile; closing the window cancels it.

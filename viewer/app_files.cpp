@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -136,8 +137,12 @@ void App::open_files(CommandLine line) {
              *dialog = std::move(choice);
              return;
            }
-           live_.open(start->world(live_.world().options()));
-           if (start->recording) live_.take_recording(read_run(*start->recording));
+           World world = start->world(live_.world().options());
+           std::optional<RecordedRun> run;  // before the present run ends, since it may fail
+           if (start->recording) run = read_run(*start->recording);
+           if (!start->frames.empty()) run = run_of_frames(world, start->frames);
+           live_.open(std::move(world));
+           if (run) live_.take_recording(std::move(*run));
          },
          [this, start, dialog] {
            if (dialog->open) {
@@ -149,7 +154,7 @@ void App::open_files(CommandLine line) {
            show_another_scene();
            workspace_.playing = false;
            options_.view.pause_at.reset();
-           take_frames(*start);
+           show_import(*start);
          }});
 }
 
@@ -182,12 +187,11 @@ void App::follow_columns() {
 }
 
 /// An imported scene pauses at its first state. One with several frames pauses at the last one.
-void App::take_frames(const Start& start) {
+void App::show_import(const Start& start) {
   if (!start.imported) return;
   workspace_.playing = false;
   std::string notice = imported_notice(start.scene);
   if (!start.frames.empty()) {
-    live_.take_recording(run_of_frames(live_.world(), start.frames));
     const std::int64_t last = std::ssize(start.frames) - 1;
     if (!options_.view.pause_at) options_.view.pause_at = last;
     notice += "; play shows the frames 0 to " + std::to_string(last);

@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "sim_cuda/core/error.h"
-#include "sim_cuda/import/input_file.h"
 #include "sim_cuda/scene/limits.h"
 
 namespace collidoscope {
@@ -37,7 +36,7 @@ BodyTableBuilder::BodyTableBuilder(const ColumnChoice& choice, std::size_t rows,
   if (rows > static_cast<std::size_t>(limits::max_bodies))
     throw InputError(fmt::format("{}: {} bodies, expected at most {}", place, rows, limits::max_bodies));
   using enum BodyQuantity;
-  // Numbers without a column stay 0.
+  // Each position is read, except z without a column.
   table_.position.resize(rows);
   if (!choice.has(z))
     for (Vector3d& position : table_.position) position.z() = 0;

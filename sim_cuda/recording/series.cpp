@@ -3,6 +3,7 @@
 #include <limits>
 #include <memory>
 
+#include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/out_of_memory.h"
 
 namespace collidoscope {
@@ -32,6 +33,8 @@ RecordedRun run_of_frames(World& world, const std::vector<BodyTable>& frames) {
     const double time_step = world.scene().physics.time_step;
     RecordedRun run{Timeline(std::numeric_limits<std::int64_t>::max()), {}};
     for (std::size_t k = 0; k < frames.size(); ++k) {
+      if (const Cancellation* asked = world.options().cancellation; asked && asked->requested())
+        throw Cancelled();
       RunState state = first;
       state.steps = static_cast<std::int64_t>(k);
       state.time = static_cast<double>(k) * time_step;

@@ -9,7 +9,8 @@
 namespace collidoscope {
 
 /// State k of the run is frame k. Every state is stored, so nothing is simulated between them. `world` has
-/// the bodies of the first frame, and is at state 0 before and after. All frames have as many bodies.
+/// the bodies of the first frame, and is at state 0 before and after. All frames have as many bodies. Throws
+/// Cancelled as its options ask.
 RecordedRun run_of_frames(World& world, const std::vector<BodyTable>& frames);
 
 }  // namespace collidoscope
