@@ -15,6 +15,7 @@
 #include "headless/pictures/egl_context.h"
 #include "headless/pictures/panel_picture.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/recording/series.h"
 #include "ui/chart.h"
 #include "ui/overlay.h"
 #include "viewer/render/gl/target.h"
@@ -58,6 +59,7 @@ OverlayText overlay_text(World& world, const CaptureRequest& request, const Rend
   text.executor = info.on_gpu ? "CUDA" : "CPU";
   text.device = info.device_name;
   text.pairs = stats.pairs;
+  if (const auto check = world.pair_check()) text.pairs_note = short_note_of(*check);
   text.touching = stats.touching;
   text.speculative = stats.speculative;
   const RunTimes times = world.times();
@@ -105,12 +107,15 @@ std::string picture_file(const CaptureRequest& request, const Scene& scene, std:
       .string();
 }
 
-int run_capture(const CaptureRequest& request, World& world) {
+int run_capture(const CaptureRequest& request, World& world, const std::vector<BodyTable>& frames) {
   ensure_writable_folder("--out", request.out);
   const std::vector<std::int64_t> states = states_to_draw(request, world.steps());
   if (states.front() < world.steps())
     throw InputError(fmt::format("--states: {} is before the first state; expected at least {}",
                                  states.front(), world.steps()));
+  if (!frames.empty() && states.back() >= std::ssize(frames))
+    throw InputError(
+        fmt::format("--states: {} is after the last frame, {}", states.back(), frames.size() - 1));
   const auto log = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
   const EglContext context(world.info().gpu);
   for (const std::string& line : context.steps_down()) log(line);
@@ -146,6 +151,7 @@ int run_capture(const CaptureRequest& request, World& world) {
   const double time_step = world.scene().physics.time_step;
   Progress progress("capture", states.back());
   for (std::int64_t state : states) {
+    if (!frames.empty()) go_to_frame(world, frames, static_cast<std::size_t>(state));
     while (world.steps() < state) {
       if (asked) reference.advance_to_next_step(time_step, std::numeric_limits<double>::infinity());
       world.step();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "headless/cli/capture_request.h"
+#include "sim_cuda/import/body_table.h"
 #include "sim_cuda/world.h"
 
 namespace collidoscope {
@@ -19,7 +20,8 @@ std::string picture_file(const CaptureRequest& request, const Scene& scene, std:
 
 /// Writes OUT/<scene>_<state>.png for each state; each file is written atomically. Prints one line per
 /// picture on stdout, and the renderer and display path on stderr.
+/// `frames`: if not empty, state k has the bodies of frame k, and nothing is simulated.
 /// Returns 0, or 1 if a guard paused the run (with a line on stderr). Throws InputError and MachineError.
-int run_capture(const CaptureRequest& request, World& world);
+int run_capture(const CaptureRequest& request, World& world, const std::vector<BodyTable>& frames = {});
 
 }  // namespace collidoscope

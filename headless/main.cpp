@@ -10,6 +10,7 @@
 #include "headless/cli/command_line.h"
 #include "headless/cli/exit_status.h"
 #include "headless/cli/interrupt_handler.h"
+#include "headless/cli/plugins.h"
 #include "headless/cli/process.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
@@ -20,11 +21,14 @@
 #include "headless/run.h"
 #include "headless/stability/stability.h"
 #include "headless/tune.h"
+#include "headless/validate.h"
+#include "sim_cuda/plugin/validation.h"
 
 namespace collidoscope {
 namespace {
 
-int interruptible(CommandLine line, int (*command)(const CommandLine&)) {
+template <class Run>
+int interruptible(CommandLine line, Run command) {
   return run_interruptible([&](Cancellation& cancellation) {
     line.options.run.cancellation = &cancellation;
     if (line.command == Command::run || line.command == Command::capture) load_tuned(line.options);
@@ -32,11 +36,12 @@ int interruptible(CommandLine line, int (*command)(const CommandLine&)) {
   });
 }
 
-int perform(const CommandLine& line) {
+int perform(CommandLine line) {
   if (!line.text.empty()) {
     print(line.text + '\n');
     return done;
   }
+  load_plugins(line.options);
   switch (line.command) {
     case Command::run:
       return interruptible(line, run_command);
@@ -56,6 +61,8 @@ int perform(const CommandLine& line) {
       return stability_command(line);
     case Command::tune:
       return interruptible(line, tune_command);
+    case Command::validate:
+      return interruptible(line, validate_command);
     case Command::view:
       break;  // not reachable from the command line
   }
@@ -70,6 +77,7 @@ int main(int argc, char** argv) {
   collidoscope::install_out_of_memory_handler();
   return collidoscope::run_and_report_errors([&] {
     const std::vector<std::string> arguments(argv + (argc > 0 ? 1 : 0), argv + argc);
+    if (const auto status = collidoscope::run_validation_child(arguments)) return *status;
     if (const auto table = collidoscope::markdown_help(arguments)) {
       collidoscope::print(*table);
       return int{collidoscope::done};

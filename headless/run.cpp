@@ -317,7 +317,10 @@ int run_command(const CommandLine& line) {
                    .c_str(),
                stderr);
   }
-  const bool good = !stepped.failure && as_recorded(world, replay, options.changes);
+  const bool has_wrong_pairs = report.pair_check && report.pair_check->is_wrong();
+  if (has_wrong_pairs)
+    fmt::print(stderr, "broad phase {}: wrong pairs: {}\n", report.broad_phase, describe(*report.pair_check));
+  const bool good = !stepped.failure && !has_wrong_pairs && as_recorded(world, replay, options.changes);
   if (not_printed) std::rethrow_exception(not_printed);
   return good ? 0 : 1;
 }
@@ -351,16 +354,22 @@ void refuse_picture_files(const CommandLine& line, const Start& start) {
 
 }  // namespace
 
-int capture_command(const CommandLine& line) {
-  const Options& options = line.options;
+int capture_command(CommandLine line) {
+  Options& options = line.options;
   const Start start = load_start(line);
+  FrameLayers& layers = options.capture.layers;
+  if (start.has_boxes() && layers == CaptureRequest{}.layers) layers.spheres = false, layers.boxes = true;
+  if (options.capture.states.empty() && start.has_boxes()) options.capture.states = {0};
+  if (options.capture.states.empty())
+    for (std::int64_t frame = 0; frame < std::ssize(start.frames); ++frame)
+      options.capture.states.push_back(frame);
   refuse_picture_files(line, start);
   const Outputs checked(options);
   ensure_writable_folder("--out", options.capture.out);
   World world = make_world(start, options.run);
 
   const StepStats initial = world.measure();
-  const int status = run_capture(options.capture, world);
+  const int status = run_capture(options.capture, world, start.frames);
   const RunReport report = make_report(world, initial, std::nullopt);
   if (!options.json.empty()) {
     OutputFile json("--json", options.json);

@@ -10,6 +10,6 @@ namespace collidoscope {
 int run_command(const CommandLine& line);
 
 /// `capture`: writes pictures of the requested states, then prints the cost of each stage.
-int capture_command(const CommandLine& line);
+int capture_command(CommandLine line);
 
 }  // namespace collidoscope

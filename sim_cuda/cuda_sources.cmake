@@ -1,7 +1,7 @@
 # Compiles the files that launch kernels with nvcc. Without CUDA they are compiled as C++. Changes ${sources}.
 file(GLOB_RECURSE cuda_sources CONFIGURE_DEPENDS broad_phase/*.cpp solver/*.cpp)
 list(FILTER cuda_sources EXCLUDE REGEX  # these launch no kernel
-  "/broad_phase/(broad_phase|bullet_dbvt|bvh_cache|key_bits|methods)[.]cpp$|/solver/(contact_cache|contact_solver|plane_contacts|residuals|soft_step_data)[.]cpp$")
+  "/broad_phase/(broad_phase|bullet_dbvt|bvh_cache|key_bits|pair_check)[.]cpp$|/solver/(contact_cache|contact_solver|plane_contacts|residuals|soft_step_data)[.]cpp$")
 foreach(file core/radix_sort core/sort core/scan dynamics/continuous_collision dynamics/move guard/stage_validator measure/inspect
     measure/measure narrow_phase/contact_list publish/pack run/pipeline)
   list(APPEND cuda_sources ${CMAKE_CURRENT_SOURCE_DIR}/${file}.cpp)

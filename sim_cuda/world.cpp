@@ -75,6 +75,7 @@ std::uint64_t World::state_hash() { return run_->pipeline().state_hash(); }
 BodyStates World::bodies() { return run_->pipeline().bodies(); }
 
 void World::detect() { run_->detect(); }
+std::optional<PairCheck> World::pair_check() { return run_->pipeline().broad_phase().pair_check(); }
 std::vector<std::pair<std::uint32_t, std::uint32_t>> World::pairs() { return run_->pipeline().pairs(); }
 
 StepStats World::measure() {

@@ -13,10 +13,12 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "sim_cuda/broad_phase/pair_check.h"
 #include "sim_cuda/core/stage_times.h"
 #include "sim_cuda/measure/body_report.h"
 #include "sim_cuda/measure/step_stats.h"
@@ -102,6 +104,8 @@ class World {
   void detect();
   /// Overlapping pairs (i < j) of the last step or detect(), sorted.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs();
+  /// What was found about the pairs of a plug-in; unset for built-in broad phases.
+  std::optional<PairCheck> pair_check();
   /// Measures the current state. Pairs and contacts are those of the last step. Before the first step of
   /// this world, they are those of the current state.
   StepStats measure();

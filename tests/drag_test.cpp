@@ -11,8 +11,6 @@
 namespace collidoscope {
 namespace {
 
-using std::numbers::pi;
-
 class Dragging : public testing::TestWithParam<std::tuple<ExecutorKind, Solver>> {
  protected:
   RunOptions options() const {
@@ -42,8 +40,10 @@ INSTANTIATE_TEST_SUITE_P(Executors, Dragging,
                          });
 
 constexpr double radius = 0.05, mass = 1.5, drag_coefficient = 0.47;
-double linear_rate(double viscosity) { return 6 * pi * viscosity * radius / mass; }
-double quadratic_rate(double density) { return density * drag_coefficient * pi * radius * radius / 2 / mass; }
+double linear_rate(double viscosity) { return 6 * std::numbers::pi * viscosity * radius / mass; }
+double quadratic_rate(double density) {
+  return density * drag_coefficient * std::numbers::pi * radius * radius / 2 / mass;
+}
 
 TEST_P(Dragging, TheTerminalSpeedIsExactForEveryTimeStep) {
   for (const auto& [viscosity, density] : {std::pair(3.0, 0.0), {0.0, 1000.0}, {3.0, 800.0}, {1000.0, 0.0}})

@@ -10,6 +10,7 @@
 #include "sim_cuda/core/series.h"
 #include "sim_cuda/run/published_records.h"
 #include "sim_cuda/scene/joint_substeps.h"
+#include "sim_cuda/scene/joint_trees.h"
 #include "tests/executors.h"
 #include "tests/gravity.h"
 #include "tests/scenes.h"

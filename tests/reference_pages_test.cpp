@@ -221,6 +221,8 @@ RunReport full_report() {
   RunReport report = make_report(world, initial, 1.0);
   report.finding = Finding{.stage = "forces"};
   report.failure = "a body is not finite";
+  report.pair_check.emplace().compares = true;
+  report.pair_check->examples = {{1, 2, PairFault::missing}};
   return report;
 }
 

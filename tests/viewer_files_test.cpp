@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "tests/npy_file.h"
 #include "tests/run_program.h"
 #include "tests/viewer_fixture.h"
 
@@ -60,6 +61,61 @@ TEST_F(ViewerFiles, ReplaceTheRunWhenDropped) {
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["error"].is_string(); }));
   EXPECT_THAT(window.frame()["error"].get<std::string>(), HasSubstr("bad.csv:2:5: three is not a number"));
   EXPECT_EQ(window.frame()["bodies"], 3);
+  EXPECT_EQ(close(window), "");
+}
+
+TEST_F(ViewerFiles, OfPluginsAreLoadedAfterAQuestion) {
+  const std::filesystem::path plugins = program_folder() / "plugins";
+  const std::string library = std::filesystem::canonical(plugins / "libsweep_and_prune.so");
+  WindowDriver window({"box_collider", "--bodies", "50", "--executor", "cpu"});
+  window.drop_file(library);
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["widgets"].contains("plugin.load"); }));
+  window.click("plugin.cancel");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return !f["widgets"].contains("plugin.load"); }));
+  EXPECT_EQ(window.frame()["broad_phase"], "lbvh_ropes");
+
+  window.drop_file(library);
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["widgets"].contains("plugin.load"); }));
+  window.click("plugin.load");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["broad_phase"] == "sweep_and_prune"; }));
+  ASSERT_TRUE(
+      window.wait_for([](const Json& f) { return f["pairs_note"] == "plug-in, pairs not compared"; }));
+  EXPECT_THAT(window.frame()["notice"].get<std::string>(), HasSubstr("tests passed; the run is saved in "));
+
+  // A recording has the run, but does not name the library.
+  window.key("s");
+  window.key("ctrl+s");
+  ASSERT_TRUE(
+      window.wait_for([](const Json& f) { return f["notice"].get<std::string>().starts_with("wrote "); }));
+  std::string recording = window.frame()["notice"];
+  recording.erase(0, std::string("wrote ").size());
+  const Outcome replay = run_headless({"replay", window.file(recording), "--executor", "cpu"});
+  EXPECT_EQ(replay.status, 0) << replay.err;
+  EXPECT_EQ(close(window), "");
+}
+
+/// Two boxes that overlap and one apart, with a tree.
+TEST_F(ViewerFiles, OfBoxesAndATreeAreInspected) {
+  const std::string boxes =
+      box_file(folder_ / "boxes.npy", {0, 0, 0, 4, 1, 1, 3, 0, 0, 5, 1, 1, 8, 0, 0, 9, 1, 1});
+  const std::vector<float> nodes{0, 0, 0, 9, 1, 1, -1, -1, 0, 0, 0, 4, 1, 1, 0, 0,
+                                 3, 0, 0, 5, 1, 1, 0,  1,  8, 0, 0, 9, 1, 1, 0, 2};
+  const std::string tree =
+      write_npy(folder_ / "tree.npy",
+                npy_bytes("{'descr': '<f4', 'fortran_order': False, 'shape': (4, 8), }", data_of(nodes)));
+  WindowDriver window({"--boxes", boxes, "--tree", tree, "--executor", "cpu"});
+  ASSERT_TRUE(
+      window.wait_for([](const Json& f) { return f["drawn"]["boxes"] == 4 && f["tree"].is_object(); }));
+  EXPECT_EQ(window.frame()["tree"]["nodes"], 4);
+  EXPECT_EQ(window.frame()["pairs"], 1);
+  EXPECT_EQ(window.frame()["drawn"]["spheres"], 0);
+  window.key("s");
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 1; }));
+  EXPECT_EQ(window.frame()["pairs"], 1);
+  EXPECT_EQ(window.frame()["contacts"], 0);
+
+  window.drop_file(boxes);  // without the tree
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["drawn"]["boxes"] == 5 && f["step"] == 0; }));
   EXPECT_EQ(close(window), "");
 }
 

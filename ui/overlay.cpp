@@ -98,6 +98,7 @@ float draw_run_info(const Writer& write, const OverlayText& text, float x, float
   if (!text.variant.empty()) rows.emplace_back("variant", text.variant);
   rows.emplace_back("B × T", shape_number(text.shape.blocks) + " × " + shape_number(text.shape.threads));
   rows.emplace_back("pairs", grouped(text.pairs));
+  if (!text.pairs_note.empty()) rows.emplace_back("", text.pairs_note);
   rows.emplace_back("touching", grouped(text.touching));
   rows.emplace_back("speculative", grouped(text.speculative));
   rows.emplace_back("on", text.executor);

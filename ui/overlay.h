@@ -25,6 +25,7 @@ struct OverlayText {
   std::string executor;  ///< "CPU" or "CUDA"
   std::string device;    ///< name of the device
   std::int64_t pairs = 0, touching = 0, speculative = 0;
+  std::string pairs_note;  ///< of a broad phase that is a plug-in; see WorkspaceView::pairs_note
   std::vector<StageTime> stages;
   double step_ms = 0;    ///< median time of whole steps
   bool timings = false;  ///< false: times are drawn as a dash, for reproducible pictures

@@ -30,6 +30,7 @@ void draw_graphs_panel(Workspace& workspace,
                        const WorkspaceView& view);  ///< plots over time, in the bottom strip
 /// The choice of columns, over the 3D view.
 void draw_columns_dialog(Workspace& workspace);
+void draw_plugin_dialog(Workspace& workspace);
 void draw_timeline_strip(Workspace& workspace,
                          const WorkspaceView& view);  ///< the whole run, over the graphs
 float timeline_strip_height(float font_size);

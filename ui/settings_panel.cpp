@@ -251,6 +251,8 @@ void draw_settings_panel(Workspace& workspace, const WorkspaceView& view) {
              {ExecutorKind::cuda, view.cuda_unavailable_reason});
   row_label("broad phase", "Algorithm that finds overlapping pairs; never changes the result");
   choose_broad_phase(workspace, view, "settings.broad_phase");
+  if (!view.pairs_note.empty())
+    choice_row(workspace, field_of<&ExecutorOptions::check_pairs>, s.run.check_pairs);
 
   ImGui::Spacing();
   faint_text("Physics (changes the result)");

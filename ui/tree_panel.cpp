@@ -80,6 +80,8 @@ void draw_tree_panel(Workspace& workspace, const WorkspaceView& view) {
   if (!begin_panel(workspace, "tree", "Tree", workspace.visible_panels.tree)) return end_panel();
   row_label("method", "Algorithm that finds overlapping pairs; never changes the result");
   choose_broad_phase(workspace, view, "tree.method");
+  if (!view.given_tree.empty())
+    row_text("shown", view.given_tree, "The tree of this file, instead of that of the broad phase");
   if (view.tree == nullptr) {
     faint_text("not measured yet");
     return end_panel();

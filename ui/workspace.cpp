@@ -82,6 +82,23 @@ void draw_on_scene(const Workspace& workspace, const WorkspaceView& view) {
     list->AddPolyline(points.data(), static_cast<int>(points.size()), color, ImDrawFlags_Closed, 2 * size);
   };
   for (const auto& around : view.frozen_outlines) outline(around, IM_COL32(120, 214, 255, 255));
+  for (const WorkspaceView::FaultyPairView& pair : view.faulty_pairs) {
+    constexpr ImU32 red = IM_COL32(255, 92, 82, 255);
+    if (pair.a.size() <= 2 || pair.b.size() <= 2) continue;
+    outline(pair.a, red);
+    outline(pair.b, red);
+    const auto middle = [](const std::vector<std::pair<float, float>>& around) {
+      ImVec2 sum{0, 0};
+      for (const auto& [x, y] : around) sum.x += x, sum.y += y;
+      const auto count = static_cast<float>(around.size());
+      return ImVec2{sum.x / count, sum.y / count};
+    };
+    const ImVec2 from = middle(pair.a), to = middle(pair.b);
+    list->AddLine(from, to, red, ImGui::GetFontSize() / 7);
+    if (&pair - view.faulty_pairs.data() < 8)
+      list->AddText({(from.x + to.x) / 2 + 4, (from.y + to.y) / 2}, IM_COL32(255, 200, 196, 255),
+                    pair.text.c_str());
+  }
   outline(view.outline, IM_COL32(255, 214, 92, 255));
   float y = at.y + at.height - 0.5f * ImGui::GetFontSize();  // bottom of the next text
   const auto line = [&](const std::string& text, ImU32 color) {
@@ -97,6 +114,9 @@ void draw_on_scene(const Workspace& workspace, const WorkspaceView& view) {
   if (workspace.hint)
     line("Space play/pause · S step · drag orbit · wheel zoom · click select · F1 keys",
          IM_COL32(235, 238, 242, 255));
+  if (!view.pairs_note.empty())
+    line(view.active_settings.run.broad_phase + ": " + view.pairs_note,
+         view.has_wrong_pairs ? IM_COL32(255, 120, 110, 255) : IM_COL32(235, 238, 242, 255));
   if (!workspace.notice.empty()) line(workspace.notice, IM_COL32(255, 214, 92, 255));
   list->PopClipRect();
 }
@@ -159,6 +179,7 @@ void draw_workspace(Workspace& workspace, const WorkspaceView& view) {
     });
   window("status", layout.status, false, [&] { draw_status_line(workspace, view); });
   draw_columns_dialog(workspace);
+  draw_plugin_dialog(workspace);
   draw_stop_bar(workspace, view);
   draw_error_bar(workspace);
   draw_help(workspace);

@@ -29,6 +29,7 @@
 #include "ui/hard_cases_view.h"
 #include "ui/launch_map_view.h"
 #include "ui/legend_text.h"
+#include "ui/plugin_dialog.h"
 #include "ui/reference_view.h"
 #include "ui/tree_panel_view.h"
 
@@ -167,6 +168,7 @@ struct Workspace {
   }
 
   ColumnsDialog columns;            ///< of a file of bodies that is being opened
+  PluginDialog plugin;              ///< of a library that was dropped on the window
   bool columns_requested = false;   ///< request: choose the columns of the file again
   std::vector<std::string> errors;  ///< shown until dismissed
   std::string notice;               ///< message about the last action, shown for some seconds
@@ -196,10 +198,14 @@ struct WorkspaceView {
   double view_scale = 1;                  ///< drawn pixels per shown pixel of the 3D view, along an axis
   std::string cuda_unavailable_reason;    ///< why CUDA is disabled; empty: enabled
   std::vector<std::string> broad_phases;  ///< names; the default comes first
-  std::vector<std::string> effects;       ///< names of the enabled effects
-  int substeps = 1;                       ///< substeps per step, also if "auto"
-  double substeps_missed = 0;             ///< see joint_substeps.h
-  std::vector<EffectView> effect_views;   ///< all effects; empty while the panel is folded
+  /// Of a broad phase that is a plug-in: whether its pairs are right. Empty: a built-in method.
+  std::string pairs_note;
+  std::string given_tree;  ///< file of a tree over the boxes of the scene, which is shown; empty: none
+  bool has_wrong_pairs = false;
+  std::vector<std::string> effects;      ///< names of the enabled effects
+  int substeps = 1;                      ///< substeps per step, also if "auto"
+  double substeps_missed = 0;            ///< see joint_substeps.h
+  std::vector<EffectView> effect_views;  ///< all effects; empty while the panel is folded
   bool measuring_effects = false;
   bool measuring = false;              ///< a panel measures, or its last slice is in progress
   std::string tuned, tuned_rejection;  ///< see WorldInfo
@@ -245,6 +251,12 @@ struct WorkspaceView {
   const LaunchMapView* launch_map = nullptr;  ///< null: not requested
   const HardCasesView* hard_cases = nullptr;  ///< null: not requested
   std::vector<std::uint32_t> mark_colors;     ///< indexed by BoxMark
+  /// Two bodies whose pair is wrong, by their outlines in pixels of the window.
+  struct FaultyPairView {
+    std::vector<std::pair<float, float>> a, b;
+    std::string text;  ///< such as "missing 4-17"
+  };
+  std::vector<FaultyPairView> faulty_pairs;
   /// Outline of the selected body in pixels of the window; empty if it is not visible.
   std::vector<std::pair<float, float>> outline;
   std::vector<std::vector<std::pair<float, float>>>

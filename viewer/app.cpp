@@ -274,6 +274,10 @@ void App::fill(WorkspaceView& view) {
   for (const auto& [x, y] : scene_.outline())
     view.outline.emplace_back(static_cast<float>(x) + rect.x, static_cast<float>(y) + rect.y);
 
+  view.faulty_pairs = scene_.faulty_pairs();
+  for (WorkspaceView::FaultyPairView& pair : view.faulty_pairs)
+    for (auto* around : {&pair.a, &pair.b})
+      for (auto& [x, y] : *around) x += rect.x, y += rect.y;
   for (const auto& around : scene_.frozen_outlines()) {
     auto& points = view.frozen_outlines.emplace_back();
     for (const auto& [x, y] : around)

@@ -117,6 +117,7 @@ class App {
   void open_dropped_files();
   void open_files(CommandLine line);
   void follow_columns();
+  void follow_plugin();
   void show_import(const Start& start);
 
   // Hard cases (app_hard_cases.cpp).

@@ -1,17 +1,26 @@
 // Files that are dropped on the window replace the run. If a file cannot be opened, the run continues.
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <span>
 #include <utility>
 
+#include "sim_cuda/core/assets.h"
+#include "sim_cuda/core/atomic_file.h"
+#include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/import/columns.h"
 #include "sim_cuda/import/table_file.h"
+#include "sim_cuda/plugin/library.h"
+#include "sim_cuda/plugin/validation.h"
 #include "sim_cuda/recording/series.h"
+#include "sim_cuda/snapshot/snapshot.h"
 #include "viewer/app_error_bar.h"
+#include "viewer/unused_file_name.h"
 
 namespace collidoscope {
 
@@ -109,10 +118,69 @@ bool is_table(const std::string& file) {
   }
 }
 
+/// Whether a file is a program or a library.
+bool is_library(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  char magic[4] = {};
+  return stream.read(magic, 4) && std::memcmp(magic, "\177ELF", 4) == 0;
+}
+
+/// The file for the run before a plug-in is loaded. Creates its folder.
+std::string file_before_plugin(const std::string& plugin) {
+  const std::filesystem::path folder = cache_folder();
+  if (folder.empty()) return unused_file_name("before_" + plugin, "snapshot");
+  std::filesystem::create_directories(folder);
+  return (folder / ("before_" + plugin + ".snapshot")).string();
+}
+
 }  // namespace
+
+/// Tests and loads a plug-in after the user has agreed, and uses it for the run.
+void App::follow_plugin() {
+  if (!std::exchange(workspace_.plugin.confirmed, false)) return;
+  workspace_.plugin.open = false;
+  struct Loaded {
+    std::string name, snapshot;
+    std::size_t tests, faults;
+  };
+  const auto loaded = std::make_shared<Loaded>();
+  const std::string path = workspace_.plugin.file;
+  begin({"testing " + path,
+         [this, path, loaded] {
+           ValidationOptions how;
+           how.gpu = std::max(live_.world().options().gpu, 0);
+           how.poll = [cancellation = options_.run.cancellation] {
+             if (cancellation != nullptr && cancellation->requested()) throw Cancelled();
+           };
+           const PluginValidation validation = validate_plugin(path, how);
+           if (!validation.ended.empty())
+             throw InputError(path + ": " + validation.ended + "; it is not loaded");
+           std::string bytes;
+           write_snapshot(snapshot_of(live_.world()), [&](std::string_view more) { bytes += more; });
+           loaded->snapshot = file_before_plugin(validation.name);
+           write_file_atomically(loaded->snapshot, bytes);
+           loaded->tests = validation.tests.size();
+           loaded->faults = validation.faults().size();
+           loaded->name = load_plugin(path, loaded->faults > 0);
+         },
+         [this, loaded] {
+           workspace_.settings.run.broad_phase = loaded->name;
+           const std::string result =
+               loaded->faults == 0 ? std::to_string(loaded->tests) + " tests passed"
+                                   : std::to_string(loaded->faults) + " of " + std::to_string(loaded->tests) +
+                                         " tests failed, so its pairs are compared in each step";
+           show_notice("plug-in " + loaded->name + ": " + result + "; the run is saved in " +
+                       loaded->snapshot);
+         }});
+}
 
 void App::open_dropped_files() {
   if (window_.dropped_files().empty()) return;
+  if (const std::string& file = window_.dropped_files()[0];
+      window_.dropped_files().size() == 1 && is_library(file)) {
+    workspace_.plugin = {true, full_plugin_path(file)};
+    return window_.forget_dropped_files();
+  }
   CommandLine line;
   line.command = Command::view;
   line.operands = window_.dropped_files();
@@ -190,6 +258,13 @@ void App::follow_columns() {
 void App::show_import(const Start& start) {
   if (!start.imported) return;
   workspace_.playing = false;
+  if (start.has_boxes()) {
+    workspace_.layers.spheres = false;
+    workspace_.layers.boxes = workspace_.levels_chosen = true;
+    workspace_.layers.first_level = 0;
+    workspace_.layers.last_level = TreeView::last_level;
+    workspace_.visible_panels.right = workspace_.visible_panels.tree = true;
+  }
   std::string notice = imported_notice(start.scene);
   if (!start.frames.empty()) {
     const std::int64_t last = std::ssize(start.frames) - 1;

@@ -50,6 +50,7 @@ void App::handle_requests() {
   with_error_bar([&] { follow_hard_cases(); });
   with_error_bar([&] { open_dropped_files(); });
   with_error_bar([&] { follow_columns(); });
+  with_error_bar([&] { follow_plugin(); });
 }
 
 void App::go_to_requested_state() {

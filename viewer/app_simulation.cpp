@@ -28,7 +28,7 @@ bool App::needs_world() const {
       w.step_requests > 0 || w.other_run_requested || w.reference_requested || w.tree.node || w.tree.rank ||
       w.camera_request == CameraRequest::frame_all || w.camera_request == CameraRequest::frame_selection ||
       w.breaks.stop != StopRequest::none || !window_.dropped_files().empty() || w.columns.open ||
-      w.columns_requested;
+      w.columns_requested || w.plugin.confirmed;
   const bool measured = panels.right && (panels.tree || panels.effects || panels.accuracy ||
                                          panels.launch_map || panels.hard_cases);
   return !w.playing || requested || measured || w.adjusting_result || w.layers.needs_reference() ||

@@ -9,10 +9,12 @@
 #include "headless/cli/command_line.h"
 #include "headless/cli/exit_status.h"
 #include "headless/cli/interrupt_handler.h"
+#include "headless/cli/plugins.h"
 #include "headless/cli/process.h"
 #include "headless/cli/progress.h"
 #include "headless/cli/standard_output.h"
 #include "headless/cli/tuned_option.h"
+#include "sim_cuda/plugin/validation.h"
 #include "sim_cuda/stability/hard_case.h"
 #include "viewer/app.h"
 
@@ -36,6 +38,7 @@ int show(CommandLine line) {
   const InterruptHandler interrupt_handler(cancellation, false);
   line.options.run.cancellation = &cancellation;
   try {
+    load_plugins(line.options);
     const Start start = load_start(line);
     load_tuned(line.options);
     // Reports an invalid folder at once, not when the panel opens.
@@ -55,6 +58,8 @@ int main(int argc, char** argv) {
   collidoscope::prepare_process();
   collidoscope::install_out_of_memory_handler();
   return collidoscope::run_and_report_errors([&] {
-    return collidoscope::show(collidoscope::parse_viewer_line({argv + (argc > 0 ? 1 : 0), argv + argc}));
+    const std::vector<std::string> arguments(argv + (argc > 0 ? 1 : 0), argv + argc);
+    if (const auto status = collidoscope::run_validation_child(arguments)) return *status;
+    return collidoscope::show(collidoscope::parse_viewer_line(arguments));
   });
 }

@@ -24,10 +24,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string broad_phases_json(const BenchMachine& machine, const std::vector<MethodRow>& rows) {
-  Json json{{"suite", "broad-phases"},        {"physics_version", physics_version},
-            {"executor", machine.executor},   {"device", machine.device},
-            {"blocks", machine.shape.blocks}, {"threads", machine.shape.threads},
-            {"rows", Json::array()}};
+  Json json{{"suite", "broad-phases"},          {"physics_version", physics_version},
+            {"executor", machine.executor},     {"device", machine.device},
+            {"plugins", machine.plugins},       {"blocks", machine.shape.blocks},
+            {"threads", machine.shape.threads}, {"rows", Json::array()}};
   for (const MethodRow& row : rows) json["rows"].push_back(json_of(row));
   return json_text(json);
 }
@@ -104,7 +104,7 @@ int bench_broad_phases(const CommandLine& line) {
         print(fmt::format(
             "{}\nkeys: bits per Morton key. visits: mean number of nodes that a query of the method reads.\n"
             "{:>12} {:<11}{:<20}{:>4}{:>12}{:>12}{:>12}{:>14}{:>9}{:>5}  stages, µs (timed separately)\n",
-            machine.device, "N", "variant", "method", "keys", "median µs", "p5", "p95", "pairs", "visits",
+            text_of(machine), "N", "variant", "method", "keys", "median µs", "p5", "p95", "pairs", "visits",
             "runs"));
     }
     const std::size_t known = rows.size();

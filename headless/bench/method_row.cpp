@@ -8,6 +8,7 @@
 #include "headless/cli/progress.h"
 #include "headless/pictures/chart_picture.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/crowded_scenes.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/world.h"
@@ -86,13 +87,16 @@ std::string stages_text(const MethodRow& row) {
 
 BenchMachine machine_of(const World& world) {
   const WorldInfo info = world.info();
-  return {info.on_gpu ? "cuda" : "cpu", info.device_name, world.launch_shape()};
+  return {info.on_gpu ? "cuda" : "cpu", info.device_name, world.launch_shape(),
+          plugin_notes(world.options().check_pairs)};
 }
 
 std::string text_of(const BenchMachine& machine) {
   const auto number = [](int n) { return n > 0 ? std::to_string(n) : "auto"; };
-  return fmt::format("{}, B {}, T {}", machine.device, number(machine.shape.blocks),
-                     number(machine.shape.threads));
+  std::string text = fmt::format("{}, B {}, T {}", machine.device, number(machine.shape.blocks),
+                                 number(machine.shape.threads));
+  for (const std::string& plugin : machine.plugins) text += "; " + plugin;
+  return text;
 }
 
 Chart chart_of_methods(const std::string& title, const BenchMachine& machine,

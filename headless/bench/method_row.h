@@ -50,6 +50,7 @@ std::string stages_text(const MethodRow& row);
 struct BenchMachine {
   std::string executor, device;
   LaunchShape shape;
+  std::vector<std::string> plugins;  ///< see plugin_notes()
 };
 BenchMachine machine_of(const World& world);
 /// `NVIDIA H200, B auto, T 64`.

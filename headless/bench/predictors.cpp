@@ -119,10 +119,15 @@ PredictorRow measure_tree(const SweepPoint& at, int repeats) {
 }
 
 std::string predictors_json(const BenchMachine& machine, const std::vector<PredictorRow>& rows) {
-  Json json{{"suite", "predictors"},          {"physics_version", physics_version},
-            {"executor", machine.executor},   {"device", machine.device},
-            {"blocks", machine.shape.blocks}, {"threads", machine.shape.threads},
-            {"correlations", Json::array()},  {"rows", Json::array()}};
+  Json json{{"suite", "predictors"},
+            {"physics_version", physics_version},
+            {"executor", machine.executor},
+            {"device", machine.device},
+            {"plugins", machine.plugins},
+            {"blocks", machine.shape.blocks},
+            {"threads", machine.shape.threads},
+            {"correlations", Json::array()},
+            {"rows", Json::array()}};
   for (const Score& s : scores_of(rows))
     json["correlations"].push_back({{"measure", s.name},
                                     {"same_query_within_scenes", s.same_within},

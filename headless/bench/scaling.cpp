@@ -44,6 +44,7 @@ std::string scaling_json(const BenchMachine& machine, const std::vector<MethodRo
             {"physics_version", physics_version},
             {"executor", machine.executor},
             {"device", machine.device},
+            {"plugins", machine.plugins},
             {"blocks", machine.shape.blocks},
             {"threads", machine.shape.threads},
             {"growth", Json::array()},

@@ -49,7 +49,10 @@ const std::vector<CommandInfo>& commands() {
        Command::replay,
        "simulate a recorded run again and compare every state",
        {{"FILE", "recording of run --record"}}},
-      {"capture", Command::capture, "simulate a scene and write pictures of its states", {scene_operand}},
+      {"capture",
+       Command::capture,
+       "simulate a scene and write pictures of its states; several files of bodies are its states",
+       {{scene_operand.name, scene_operand.help, true, true}}},
       {"compare",
        Command::compare,
        "measure the difference of two pictures",
@@ -67,7 +70,11 @@ const std::vector<CommandInfo>& commands() {
        Command::stability,
        "stress-test suite over all solvers and precisions",
        {{"CASE", "name of a case [all]", false, true}}},
-      {"tune", Command::tune, "measure launch shapes (B, T) and find the fastest", {scene_operand}}};
+      {"tune", Command::tune, "measure launch shapes (B, T) and find the fastest", {scene_operand}},
+      {"validate",
+       Command::validate,
+       "test a broad-phase plug-in in a separate process",
+       {{"FILE.so", "library that exports the functions of collidoscope/broad_phase.h"}}}};
   return every;
 }
 
@@ -202,6 +209,8 @@ void check_operands(const CommandInfo& command, std::span<const Suite> suites,
     faults.push_back(fmt::format("bench: missing SUITE, expected one of {}", suite_names(suites)));
   else if (loads && !operands.empty())
     faults.push_back(fmt::format("--load: the snapshot contains its scene; remove {}", shown(operands[0])));
+  else if (loads && has_boxes)
+    faults.emplace_back("--boxes: the snapshot of --load contains its bodies; remove one of them");
   else if (has_boxes && !operands.empty())
     faults.push_back(fmt::format("--boxes: the boxes replace the scene; remove {}", shown(operands[0])));
   else if (!loads && !has_boxes && missing > 0)
@@ -251,7 +260,8 @@ void check_files(const CLI::App& app, const CommandLine& line, std::vector<std::
                                      shown(file), other));
     seen.emplace_back(flag, path);
   };
-  if (!line.operands.empty() && line.command != Command::stability && line.command != Command::replay) {
+  if (!line.operands.empty() && line.command != Command::stability && line.command != Command::replay &&
+      line.command != Command::validate) {
     try {
       add("the scene", scene_file(line.operands[0]));
     } catch (const InputError& error) {
@@ -294,6 +304,8 @@ CommandLine parse_command(CLI::App& app, CLI::App& selected, const CommandInfo& 
     else if (extra != "--")
       faults.push_back(fmt::format("{}: unknown flag; see {} --help", shown(extra), command.name));
   }
+  if (line.command == Command::view || line.command == Command::capture)
+    sort_by_numbers(line.operands);  // a shell has 10 before 2
   check_operands(command, suites, line.operands, selected, faults);
   take_suite(line, suites, faults);
   for (const Flag& flag : flags())
@@ -320,9 +332,9 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments, std::s
   CommandLine answer;
   answer.text = first == "help" ? help_of(app) : parse(app, {first});
   if (answer.text.empty())
-    throw InputError(
-        (first.empty() ? "missing command" : shown(first) + ": unknown command") +
-        ", expected run, replay, capture, compare, bvh, bench, accuracy, stability, tune or --help");
+    throw InputError((first.empty() ? "missing command" : shown(first) + ": unknown command") +
+                     ", expected run, replay, capture, compare, bvh, bench, accuracy, stability, tune, "
+                     "validate or --help");
   return answer;
 }
 
@@ -337,9 +349,9 @@ CommandLine parse_viewer_line(const std::vector<std::string>& arguments) {
   set_up(app);
   app.set_version_flag("--version", "collidoscope " COLLIDOSCOPE_VERSION, "print the version and exit");
   CommandLine line = parse_command(app, app, viewer, arguments, {});
-  if (line.text.empty() && line.operands.empty() && line.options.load.empty())
+  if (line.text.empty() && line.operands.empty() && line.options.load.empty() &&
+      line.options.bench.boxes.empty())
     line.operands.emplace_back("box_collider");
-  if (line.operands.size() > 1) sort_by_numbers(line.operands);  // a shell has 10 before 2
   return line;
 }
 

@@ -51,6 +51,7 @@ struct Start {
   bool imported = false;            ///< the scene is made of a file of bodies
   std::vector<BodyTable> frames{};  ///< of an imported scene with several, for the window; state k is frame k
   World world(const RunOptions& options) const;
+  bool has_boxes() const { return scene.body_files.size() == 1 && scene.body_files[0].boxes; }
 };
 /// What an import assumed, in one line without the name of the file.
 std::string imported_notice(const Scene& scene);

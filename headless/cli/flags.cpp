@@ -255,8 +255,8 @@ std::vector<Flag> all_flags() {
        {"--sizes", "LIST", "comma-separated numbers of bodies",
         list<body_count, bench, &BenchRequest::sizes>}});
   add("Benchmarks", benching | grading,
-      {{"--methods", "LIST", "comma-separated broad phases [all]",
-        list<&word<broad_phase_names>, bench, &BenchRequest::methods>}});
+      {{"--methods", "LIST", "comma-separated broad phases, or paths of plug-ins [all]",
+        list<broad_phase_or_plugin, bench, &BenchRequest::methods>}});
   add("Files of bodies", stepping,
       {{"--columns", "MAP",
         "SCENE is a file of bodies: columns of quantities, by name or number from 1, or none: "
@@ -274,15 +274,14 @@ std::vector<Flag> all_flags() {
         }},
        {"--frame", "K", "frame of a file of bodies with several, from 0 [0]",
         whole<0, 1'000'000'000, &Options::import, &ImportOptions::frame>}});
-  add("Benchmarks", grading,
+  add("Files of bodies", grading | guarding,
       {{"--boxes", "FILE",
-        "boxes instead of the scene: a NumPy array of shape (n, 6), min x, y, z, max x, y, z of each box; or "
-        "those of "
-        "the triangles of a mesh (OBJ, STL, PLY)",
+        "boxes instead of the scene, without dynamics: a NumPy array of shape (n, 6), min x, y, z, max x, y, "
+        "z "
+        "of each box; or those of the triangles of a mesh (OBJ, STL, PLY)",
         file<bench, &BenchRequest::boxes>},
        {"--tree", "FILE.npy",
-        "a tree over --boxes, to measure beside ours: shape (m, 8), box, parent row and box index of each "
-        "node",
+        "a tree over --boxes, to show or measure: shape (m, 8), box, parent row and box index of each node",
         file<bench, &BenchRequest::tree>}});
   add("Benchmarks", benching | grading | studying,
       {{"--repeats", "K", "repetitions of each measurement [50; accuracy: 3; paper: 20, at most 2 s]",
@@ -334,6 +333,10 @@ std::vector<Flag> all_flags() {
         on<&Options::view, &ViewRequest::reset_ui>},
        {"--automation", "FILE", "write one JSON line for each frame: state, positions of widgets",
         file<&Options::view, &ViewRequest::automation>}});
+  add("Plug-ins", bit(Command::validate),
+      {{"--timeout", "S", "s: longest time of one test [20]", [](FlagValue& value, Options& options) {
+          options.validation_timeout = value.number(0.1, 1e5, "s").value_or(20);
+        }}});
   add("Snapshots, changes, recordings", running | capturing | viewing | tuning,
       {{"--load", "FILE", "continue from a snapshot or the end of a recording; replaces SCENE",
         file<&Options::load>}});

@@ -20,7 +20,7 @@
 namespace collidoscope {
 
 /// `view` is what the desktop program does; it has no word on the command line.
-enum class Command { run, replay, capture, compare, bvh, bench, accuracy, stability, tune, view };
+enum class Command { run, replay, capture, compare, bvh, bench, accuracy, stability, tune, validate, view };
 
 /// What only the desktop program takes.
 struct ViewRequest {
@@ -95,6 +95,7 @@ struct Options {
   AccuracyOptions accuracy;
   StabilityOptions stability;
   TuneOptions tune;
+  double validation_timeout = 20;  ///< s, for one test of `validate`
 
   std::int64_t steps_or(std::int64_t otherwise) const { return steps.value_or(otherwise); }
 };

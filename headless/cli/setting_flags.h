@@ -10,6 +10,8 @@
 
 #include "headless/cli/flag_value.h"
 #include "headless/cli/options.h"
+#include "sim_cuda/plugin/library.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/settings.h"
@@ -25,6 +27,12 @@ inline std::optional<TimeStep> parse_time_step(FlagValue& value) {
   FlagValue rate = value.part(value.text().substr(2));
   const auto n = rate.whole(1, limits::max_steps_per_second);
   return n ? std::optional(TimeStep::per_second(static_cast<int>(*n))) : std::nullopt;
+}
+
+/// The name of a broad phase, or the path of a plug-in, which load_plugins() replaces by its name.
+inline std::optional<std::string> broad_phase_or_plugin(FlagValue& value) {
+  if (is_plugin_path(value.text())) return std::string(value.text());
+  return value.word(broad_phase_names());
 }
 
 /// auto, none, or a list of names with commas.
@@ -76,6 +84,7 @@ std::optional<typename Field<member>::Value> parse_setting(FlagValue& value, con
   } else if constexpr (std::is_same_v<Value, std::uint64_t>) {
     return value.whole_u64();
   } else if constexpr (std::is_same_v<Value, std::string>) {
+    if constexpr (is_field<member, &RunOptions::broad_phase>) return broad_phase_or_plugin(value);
     return value.word(setting.words());
   } else {
     if constexpr (std::is_same_v<Value, int>)

@@ -51,8 +51,12 @@ bool is_imported(const Scene& scene) {
 }  // namespace
 
 Scene load_scene(const CommandLine& line) {
-  const std::string file = scene_file(line.operands[0]);
-  Scene scene = scene_of_any_file(file, line.options.import);
+  const BenchRequest& given = line.options.bench;
+  const std::string file = given.boxes.empty() ? scene_file(line.operands[0]) : given.boxes;
+  if (given.boxes.empty() && !given.tree.empty())
+    throw InputError("--tree: needs the boxes of its leaves, expected --boxes FILE.npy");
+  Scene scene = given.boxes.empty() ? scene_of_any_file(file, line.options.import)
+                                    : import_boxes(given.boxes, given.tree);
   for (const std::string& warning : scene.warnings) fmt::print(stderr, "{}\n", warning);
   apply(line.options.overrides, file, scene);
   constexpr unsigned guarded = bit(Command::run) | bit(Command::capture) | bit(Command::view);
@@ -103,7 +107,7 @@ void note_other_physics(std::int64_t version, const std::string& file) {
 
 Start load_start(const CommandLine& line) {
   std::string file = line.options.load;
-  if (file.empty()) {
+  if (file.empty() && line.options.bench.boxes.empty()) {
     const std::string& given = line.operands[0];
     std::error_code failed;
     if (is_recording(given) ||
@@ -114,7 +118,8 @@ Start load_start(const CommandLine& line) {
   if (file.empty()) {
     start.scene = load_scene(line);
     start.imported = is_imported(start.scene);
-    if (line.command == Command::view && (start.imported || line.operands.size() > 1))
+    if ((line.command == Command::view || line.command == Command::capture) &&
+        (start.imported || line.operands.size() > 1))
       start.frames = read_frames(line, start.scene);
     return start;
   }

@@ -9,6 +9,7 @@
 
 #include "sim_cuda/core/physics_version.h"
 #include "sim_cuda/measure/launch_json.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/effect_reasons.h"
 #include "sim_cuda/scene/field_json.h"
 #include "sim_cuda/scene/names.h"
@@ -59,6 +60,26 @@ Json settings_json(const RunReport& report) {
   return json;
 }
 
+Json pair_check_json(const RunReport& report) {
+  if (!report.pair_check) return nullptr;
+  const PairCheck& check = *report.pair_check;
+  const BroadPhaseMethod* method = find_broad_phase(report.broad_phase);
+  Json json{{"plugin", method != nullptr ? method->file : ""},
+            {"compared", check.compares},
+            {"runs", check.runs},
+            {"wrong_runs", check.wrong_runs},
+            {"missing", check.compares ? Json(check.of(PairFault::missing)) : Json(nullptr)},
+            {"duplicate", check.of(PairFault::duplicate)},
+            {"out_of_range", check.of(PairFault::out_of_range)},
+            {"apart", check.of(PairFault::apart)},
+            {"writes_beyond", check.writes_beyond},
+            {"absurd_counts", check.absurd_counts},
+            {"examples", Json::array()}};
+  for (const FaultyPair& pair : check.examples)
+    json["examples"].push_back({{"a", pair.a}, {"b", pair.b}, {"fault", name_of(pair.fault)}});
+  return json;
+}
+
 std::string count_or_auto(int count) { return count == 0 ? "auto" : grouped(count); }
 
 std::string stage_table(const RunTimes& times) {
@@ -103,6 +124,8 @@ std::string numbers_text(const RunReport& report) {
   };
   std::string text = line("pairs", fmt::format("{} of overlapping boxes; {} touching", grouped(last.pairs),
                                                grouped(last.touching)));
+  if (report.pair_check && report.pair_check->is_wrong())
+    text += line("", "WRONG PAIRS: " + describe(*report.pair_check));
   text += line("contacts", fmt::format("{} speculative in the last step; {} mass-split",
                                        grouped(last.speculative), grouped(last.uncoloured_contacts)));
   text += line("energy", fmt::format("{:.6g} J, initially {:.6g} J", last.energy(), first.energy()));
@@ -162,6 +185,7 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
       .executor = info.on_gpu ? "cuda" : "cpu",
       .device = info.device_name,
       .broad_phase = world.options().broad_phase,
+      .pair_check = world.pair_check(),
       .key_bits = info.key_bits,
       .solver = std::string(name_of(solver_names, scene.physics.solver)),
       .integrator = std::string(name_of(integrator_names, scene.physics.integrator)),
@@ -220,6 +244,7 @@ nlohmann::ordered_json json_of(const RunReport& report) {
   json["substeps_missed"] = report.substeps_missed;
   json["iterations"] = report.iterations;
   json["broad_phase"] = report.broad_phase;
+  json["pair_check"] = pair_check_json(report);
   json["key_bits"] = report.key_bits > 0 ? Json(report.key_bits) : Json(nullptr);
   json["solver"] = report.solver;
   json["integrator"] = report.integrator;
@@ -309,12 +334,13 @@ std::string title_text(const RunReport& report) {
     text += fmt::format(" (joints call for {:.0f}; auto gives at most {})", report.substeps_missed,
                         report.substeps);
   return text +
-         fmt::format("\non {} ({}), B {}, T {}\n{}{}, {}, {}, effects {}\n", report.executor, report.device,
-                     count_or_auto(report.shape.blocks), count_or_auto(report.shape.threads),
-                     report.broad_phase,
-                     report.key_bits > 0 ? fmt::format(" with {}-bit keys", report.key_bits) : "",
-                     report.solver, report.precision,
-                     report.effects.empty() ? "none" : fmt::format("{}", fmt::join(report.effects, ",")));
+         fmt::format(
+             "\non {} ({}), B {}, T {}\n{}{}, {}, {}, effects {}\n", report.executor, report.device,
+             count_or_auto(report.shape.blocks), count_or_auto(report.shape.threads),
+             report.broad_phase + (report.pair_check ? " (" + short_note_of(*report.pair_check) + ")" : ""),
+             report.key_bits > 0 ? fmt::format(" with {}-bit keys", report.key_bits) : "", report.solver,
+             report.precision,
+             report.effects.empty() ? "none" : fmt::format("{}", fmt::join(report.effects, ",")));
 }
 
 std::string to_text(const RunReport& report) {

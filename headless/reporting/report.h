@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sim_cuda/broad_phase/pair_check.h"
 #include "sim_cuda/core/launch_shape.h"
 #include "sim_cuda/core/stage_times.h"
 #include "sim_cuda/guard/finding.h"
@@ -25,7 +26,8 @@ struct RunReport {
   std::optional<std::uint64_t> seed;
   std::string executor;  ///< cpu or cuda: the executor used, not the requested one
   std::string device, broad_phase;
-  int key_bits = 0;  ///< of the broad phase's Morton keys; 0: none are used
+  std::optional<PairCheck> pair_check;  ///< of a plug-in
+  int key_bits = 0;                     ///< of the broad phase's Morton keys; 0: none are used
   std::string solver, integrator, rotation_update, precision;
   std::vector<std::string> effects;                                 ///< enabled effects
   std::vector<std::pair<std::string, std::string>> effect_reasons;  ///< all effects with the reason for

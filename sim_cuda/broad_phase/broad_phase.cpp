@@ -44,26 +44,19 @@ static_assert(each_has_its_factory(),
               "the factories must match the names of broad_phase_methods.h, in the same order");
 }  // namespace
 
-std::vector<std::string> broad_phase_names(ExecutorKind kind) {
-  const bool on_gpu = kind != ExecutorKind::cpu && cuda_available();
-  std::vector<std::string> names;
-  for (const BroadPhaseMethod& method : broad_phase_methods)
-    if (is_built(method) && !(method.cpu_only && on_gpu)) names.emplace_back(method.name);
-  return names;
-}
-
 std::unique_ptr<BroadPhase> make_broad_phase(const std::string& name, Executor& executor) {
-  std::string known;
-  for (std::size_t k = 0; k < std::size(factories); ++k) {
-    if (factories[k].make == nullptr) continue;
-    if (name == factories[k].name) {
-      if (broad_phase_methods[k].cpu_only && executor.on_device())
-        throw MachineError("broad phase " + name + " runs only on the CPU: set the executor to cpu");
-      return factories[k].make(executor);
-    }
-    known += (known.empty() ? "" : ", ") + std::string(factories[k].name);
+  const BroadPhaseMethod* method = find_broad_phase(name);
+  if (method == nullptr) {
+    std::string known;
+    for (const std::string& each : broad_phase_names()) known += (known.empty() ? "" : ", ") + each;
+    throw InputError("unknown broad phase '" + name + "'; expected one of " + known);
   }
-  throw InputError("unknown broad phase '" + name + "'; expected one of " + known);
+  if (method->cpu_only && executor.on_device())
+    throw MachineError("broad phase " + name + " runs only on the CPU: set the executor to cpu");
+  if (method->gpu_only && !executor.on_device())
+    throw MachineError("broad phase " + name + " runs only on a CUDA device: set the executor to cuda");
+  if (method->plugin != nullptr) return make_plugin(executor, *method);
+  return factories[method - std::begin(broad_phase_methods)].make(executor);
 }
 
 }  // namespace collidoscope

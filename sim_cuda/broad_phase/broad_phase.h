@@ -5,9 +5,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "sim_cuda/broad_phase/pair_check.h"
 #include "sim_cuda/broad_phase/tree.h"
 #include "sim_cuda/core/aabb.h"
 #include "sim_cuda/core/executor.h"
@@ -17,6 +19,7 @@ namespace collidoscope {
 
 struct PairSink;
 struct VisitSink;
+struct BroadPhaseMethod;
 
 class BroadPhase {
  public:
@@ -24,6 +27,8 @@ class BroadPhase {
 
   /// Allocates memory for `bodies` bodies. Call outside the step, before the first update and when N changes.
   virtual void reserve(std::int64_t bodies) = 0;
+  /// Allocates memory for the capacity of the sinks of find_pairs(), in pairs. Call outside the step.
+  virtual void reserve_pairs(std::int64_t) {}
   /// Builds the acceleration structure over this step's boxes (one per body, by id). The boxes must stay
   /// valid until the next update. Each is finite with min <= max, or Aabb::empty(). `extent`, in the
   /// executor's memory, contains most centres.
@@ -37,6 +42,8 @@ class BroadPhase {
   virtual std::int64_t tree_nodes() const { return 0; }
   /// Writes the hierarchy of the last update (tree.h). Call outside the step.
   virtual void write_tree(const TreeSink&) const {}
+  /// What was found about the pairs of a plug-in so far; unset for built-in methods. Waits for the device.
+  virtual std::optional<PairCheck> pair_check() const { return std::nullopt; }
 };
 
 /// Throws InputError for an unknown name; the message lists the valid names. Throws MachineError if the
@@ -55,6 +62,7 @@ std::unique_ptr<BroadPhase> make_hierarchical_grid(Executor& executor);
 std::unique_ptr<BroadPhase> make_kd_tree(Executor& executor);
 std::unique_ptr<BroadPhase> make_lbvh_ropes(Executor& executor);
 std::unique_ptr<BroadPhase> make_ploc(Executor& executor);
+std::unique_ptr<BroadPhase> make_plugin(Executor& executor, const BroadPhaseMethod& method);
 std::unique_ptr<BroadPhase> make_refit(Executor& executor);
 std::unique_ptr<BroadPhase> make_uniform_grid(Executor& executor);
 std::unique_ptr<BroadPhase> make_lbvh_top_down(Executor& executor);

@@ -5,6 +5,7 @@
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/sort.h"
+#include "sim_cuda/import/tree_file.h"
 
 namespace collidoscope {
 
@@ -102,6 +103,15 @@ Tree::Tree(Executor& executor)
       body_(executor, "node bodies"),
       level_first_(executor, "tree levels"),
       temporary_(executor, "sort workspace") {}
+
+void write_given_tree(Executor& executor, const GivenTree& tree, const TreeSink& sink) {
+  const auto copy = [&](auto* to, const auto& from) {
+    executor.copy_to_executor(to, from.data(), from.size() * sizeof from[0]);
+  };
+  copy(sink.box, tree.box);
+  copy(sink.parent, tree.parent);
+  copy(sink.leaf_body, tree.leaf_body);
+}
 
 void Tree::build_level_order(const BroadPhase& method, std::int64_t bodies) {
   view_ = {};

@@ -16,6 +16,7 @@
 namespace collidoscope {
 
 class BroadPhase;
+struct GivenTree;
 
 /// Output of BroadPhase::write_tree for n bodies, in the executor's memory. Leaves have the numbers 0 .. n-1
 /// from left to right; inner nodes follow in any order.
@@ -24,6 +25,9 @@ struct TreeSink {
   std::uint32_t* parent;     ///< the root is its own parent
   std::uint32_t* leaf_body;  ///< leaves only: id of the body
 };
+
+/// Copies a tree to the sink.
+void write_given_tree(Executor& executor, const GivenTree& tree, const TreeSink& sink);
 
 /// A tree in level order, in the executor's memory.
 struct TreeView {

@@ -10,6 +10,7 @@
 #include "sim_cuda/core/out_of_memory.h"
 #include "sim_cuda/scene/body_count.h"
 #include "sim_cuda/scene/body_reader.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/scene/field_json.h"
 #include "sim_cuda/scene/limits.h"
 #include "sim_cuda/scene/patch_reader.h"
@@ -247,8 +248,11 @@ class ChangesReader {
 std::string text_of(const Change& change, const Scene& scene) {
   ObjectText object;
   object("step", scalar_text(change.step));
-  change.settings.for_each_set(
-      [&](const auto& setting, const auto& value) { put(object, setting.name, setting, value); });
+  change.settings.for_each_set([&]<auto member>(const Field<member>& setting, const auto& value) {
+    if constexpr (is_field<member, &RunOptions::broad_phase>)
+      if (is_plugin(value)) return;  // files do not load code, and the method does not change the state
+    put(object, setting.name, setting, value);
+  });
   if (!change.remove.empty()) object("remove", list_text(change.remove));
   std::vector<std::string> bodies;
   for (const Body& body : change.add) bodies.push_back(write_body(body, scene));

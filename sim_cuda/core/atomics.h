@@ -123,6 +123,17 @@ SIM_HD inline std::uint32_t atomic_compare_exchange(std::uint32_t* target, std::
 #endif
 }
 
+SIM_HD inline std::uint64_t atomic_compare_exchange(std::uint64_t* target, std::uint64_t expected,
+                                                    std::uint64_t value) {
+#if defined(__CUDA_ARCH__)
+  return atomicCAS(reinterpret_cast<unsigned long long*>(target), static_cast<unsigned long long>(expected),
+                   static_cast<unsigned long long>(value));
+#else
+  std::atomic_ref<std::uint64_t>(*target).compare_exchange_strong(expected, value, std::memory_order_relaxed);
+  return expected;
+#endif
+}
+
 /// Returns whether the value was lower than the target, and was stored.
 SIM_HD inline bool atomic_min(std::uint32_t* target, std::uint32_t value) {
 #if defined(__CUDA_ARCH__)

@@ -119,6 +119,13 @@ class Executor {
   /// Assigns the work enqueued from now on to this stage. `library_launch`: a library launches its kernels,
   /// so that (B, T) does not apply.
   void begin_stage(const char* name, bool library_launch = false);
+  /// Runs `work`; its stages appear as one, of the name `stage`.
+  template <class Work>
+  void run_as_stage(const char* stage, const Work& work) {
+    stages_.merge_into(stage);
+    work();
+    stages_.merge_into(nullptr);
+  }
   /// CPU: adds `launches` parallel loops to the count of the stage. No effect on a GPU, where graph nodes are
   /// counted.
   void count_launches(int launches);

@@ -20,6 +20,9 @@ enum class LaneOrder { contiguous, strided, shuffled };
 /// Sort method for Morton keys. automatic: a counting sort into cells for few bodies, else the library.
 enum class SortMethod { automatic, library, radix };  ///< radix: radix_sort.h, which obeys (B, T)
 
+/// Whether the pairs of a plug-in are compared with those of lbvh_ropes, in each run of the pipeline.
+enum class PairComparison { off, on };
+
 /// Whether this build and this machine can run CUDA. If not, `why` (if not null) receives one line.
 bool cuda_available(std::string* why = nullptr);
 
@@ -35,6 +38,7 @@ struct ExecutorOptions {
   /// Each query reports all overlapping bodies, as in the paper: both bodies of a pair find it. Otherwise
   /// each pair is found once, from one side. Applies to bvh_bottom_up, bvh_recursive and lbvh_top_down.
   bool whole_queries = false;
+  PairComparison check_pairs = PairComparison::off;  ///< no effect on built-in broad phases
   std::int64_t memory_limit = 0;  ///< bytes in the executor's memory space; 0: all available memory
   bool allow_large = false;       ///< allows all available memory, not only 80 % of it
   /// Cancels long work (cancellation.h). Optional: null disables cancellation. Not owned.

@@ -38,6 +38,7 @@ std::size_t StageRecorder::nodes_in_capture() const {
 #endif
 
 void StageRecorder::begin(const char* name, bool library_launch) {
+  if (merged_ != nullptr) name = merged_;
   if (stage_ != nullptr && std::strcmp(stage_, name) == 0) {
     if (library_launch) clock_.entry(name).library_launch = true;
     return;
@@ -110,6 +111,7 @@ void StageRecorder::end_step() {
 }
 
 void StageRecorder::cancel_step() {
+  merged_ = nullptr;
   stage_callback_ = nullptr;
   close();
   timing_ = counting_ = false;
@@ -143,7 +145,7 @@ void StageRecorder::end_capture() {
 
 void StageRecorder::drop_capture() {
   end_capture();
-  stage_ = nullptr;
+  stage_ = merged_ = nullptr;
 }
 
 void StageRecorder::note_launch(const StageLaunch& launch) {

@@ -26,6 +26,8 @@ class StageRecorder {
   /// `library_launch`: (B, T) does not apply to the stage.
   void begin(const char* name, bool library_launch);
   void end();
+  /// Until the next call, all stages that begin are parts of the stage `name`; null: ends this.
+  void merge_into(const char* name) { merged_ = name; }
   /// The name of the stage in progress, or null.
   const char* stage() const { return stage_; }
   /// Sets the substep index (from 0) of the stages that begin afterwards.
@@ -63,7 +65,8 @@ class StageRecorder {
   void close();
 
   StageClock clock_;
-  const char* stage_ = nullptr;  ///< the stage in progress, or null
+  const char* stage_ = nullptr;   ///< the stage in progress, or null
+  const char* merged_ = nullptr;  ///< see merge_into()
   std::size_t stage_entry_ = 0;
   int substep_ = 0, stage_substep_ = 0;
   const StageCallback* stage_callback_ = nullptr;  ///< null: no callback, or the callback is running

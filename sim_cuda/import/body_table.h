@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sim_cuda/core/aabb.h"
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/import/columns.h"
 #include "sim_cuda/scene/limits.h"
@@ -23,6 +24,7 @@ struct BodyTable {
   std::vector<Vector3d> velocity;          ///< m/s
   std::vector<Vector3d> angular_velocity;  ///< rad/s
   std::vector<Quaterniond> orientation;    ///< unit length
+  std::vector<Aabb> boxes;                 ///< m; of a file of boxes
   std::vector<std::string> notes;          ///< what was not taken from the file
   std::int64_t frames = 1;                 ///< in the file
 

@@ -94,4 +94,32 @@ std::vector<Aabb> read_boxes(const std::string& file) {
   return boxes;
 }
 
+BodyTable read_box_table(const std::string& file) {
+  BodyTable table;
+  table.boxes = read_boxes(file);
+  for (std::size_t k = 0; k < table.boxes.size(); ++k) {
+    const Vector3d min = table.boxes[k].min.cast<double>(), max = table.boxes[k].max.cast<double>();
+    if (!(std::max(min.cwiseAbs().maxCoeff(), max.cwiseAbs().maxCoeff()) <= limits::max_coordinate))
+      throw InputError(
+          fmt::format("{}: box {} is beyond {:g} m of the origin", file, k, limits::max_coordinate));
+    table.position.push_back((min + max) / 2);
+    table.radius.push_back(std::clamp((max - min).minCoeff() / 2, limits::min_radius, limits::max_radius));
+  }
+  return table;
+}
+
+bool is_box_file(const std::string& name) {
+  const std::vector<std::size_t> shape = read_npy_layout(InputFile(name, "a NumPy file (.npy)")).shape;
+  if (shape.size() == 3) return shape[1] == 2 && shape[2] == 3;
+  if (shape.size() != 2 || shape[1] != 6 || shape[0] == 0) return false;
+  const NpyArray array = read_npy(name);
+  return array.visit([&](const auto* numbers) {
+    const std::size_t row = array.fortran_order ? 1 : 6, column = array.fortran_order ? shape[0] : 1;
+    for (std::size_t i = 0; i < shape[0]; ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        if (!(numbers[i * row + k * column] <= numbers[i * row + (k + 3) * column])) return false;
+    return true;
+  });
+}
+
 }  // namespace collidoscope

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim_cuda/core/aabb.h"
+#include "sim_cuda/import/body_table.h"
 
 namespace collidoscope {
 
@@ -13,5 +14,9 @@ namespace collidoscope {
 /// use single precision. Other numbers are rounded outwards, so that no overlap is lost. Throws InputError
 /// with a line for each faulty row, at most 20.
 std::vector<Aabb> read_boxes(const std::string& file);
+/// The same as bodies: spheres within the boxes, at their centres.
+BodyTable read_box_table(const std::string& file);
+/// Whether a NumPy file has the shape of boxes: (n, 6) with min <= max in each row, or (n, 2, 3).
+bool is_box_file(const std::string& file);
 
 }  // namespace collidoscope

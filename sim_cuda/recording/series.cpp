@@ -24,22 +24,29 @@ void place_bodies(const BodyTable& frame, BodyStates& bodies) {
   take(frame.orientation, Quaterniond(1, 0, 0, 0), bodies.orientation);
 }
 
+void place_frame(World& world, const RunState& first, const BodyTable& frame, std::size_t k) {
+  RunState state = first;
+  state.steps = static_cast<std::int64_t>(k);
+  state.time = static_cast<double>(k) * world.scene().physics.time_step;
+  place_bodies(frame, state.bodies);
+  world.restore(state);
+}
+
 }  // namespace
+
+void go_to_frame(World& world, const std::vector<BodyTable>& frames, std::size_t k) {
+  place_frame(world, world.state(), frames[k], k);
+}
 
 RecordedRun run_of_frames(World& world, const std::vector<BodyTable>& frames) {
   return with_allocation_context("preparing the states of a series", [&] {
     const RunState first = world.state();
     const auto scene = std::make_shared<const Scene>(world.scene());
-    const double time_step = world.scene().physics.time_step;
     RecordedRun run{Timeline(std::numeric_limits<std::int64_t>::max()), {}};
     for (std::size_t k = 0; k < frames.size(); ++k) {
       if (const Cancellation* asked = world.options().cancellation; asked && asked->requested())
         throw Cancelled();
-      RunState state = first;
-      state.steps = static_cast<std::int64_t>(k);
-      state.time = static_cast<double>(k) * time_step;
-      place_bodies(frames[k], state.bodies);
-      world.restore(state);
+      place_frame(world, first, frames[k], k);
       Timeline::Kept kept{scene, CompactState(world.state()), world.state_hash()};
       if (k == 0) {
         run.timeline.begin(std::move(kept));

@@ -46,10 +46,12 @@ BoxQuery::BoxQuery(RunOptions options, const std::vector<Aabb>& boxes)
   boxes_.upload(boxes);
   extent_.upload({extent_of_boxes(boxes)});
   control_.upload({StepControl{}});
-  pairs_.reserve(count_, std::max<std::int64_t>(1024, 4 * count_));
+  const std::int64_t first_capacity = std::max<std::int64_t>(1024, 4 * count_);
+  pairs_.reserve(count_, first_capacity);
   const std::int64_t before = executor_.allocated_bytes();
   method_ = make_broad_phase(options.broad_phase, executor_);
   method_->reserve(count_);
+  method_->reserve_pairs(first_capacity);
   method_bytes_ = executor_.allocated_bytes() - before;
 }
 
@@ -69,6 +71,7 @@ BoxPairs BoxQuery::find() {
       throw MachineError(std::to_string(needed) + " pairs of boxes; a list has at most " +
                          std::to_string(most_listed_pairs));
     pairs_.reserve(count_, needed);
+    method_->reserve_pairs(needed);
     control_.upload({StepControl{}});
   }
   cache_.invalidate();
@@ -80,6 +83,12 @@ BoxPairs BoxQuery::find() {
   executor_.copy_to_host(pairs.second.data(), pairs_.view().second,
                          pairs.second.size() * sizeof(std::uint32_t));
   return pairs;
+}
+
+void BoxQuery::move(const std::vector<Aabb>& boxes) {
+  boxes_.upload(boxes);
+  extent_.upload({extent_of_boxes(boxes)});
+  cache_.invalidate();
 }
 
 BroadPhaseTimes BoxQuery::time(int repeats) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,8 @@ class BoxQuery {
   /// `boxes`: each finite with min <= max; at least one. Throws InputError or MachineError as World does.
   BoxQuery(RunOptions options, const std::vector<Aabb>& boxes);
 
+  /// Replaces the boxes by the same number of others.
+  void move(const std::vector<Aabb>& boxes);
   /// Finds the pairs. Enlarges the list if needed.
   BoxPairs find();
   bool has_tree() const { return method_->tree_nodes() > 0; }
@@ -41,6 +44,9 @@ class BoxQuery {
   const TreeQuality& quality() { return cache_.quality(*method_, method_bytes_); }
   /// From boxes to the ordered list of pairs. Precondition: find() was called.
   BroadPhaseTimes time(int repeats);
+
+  /// See BroadPhase::pair_check().
+  std::optional<PairCheck> pair_check() const { return method_->pair_check(); }
 
   const std::string& device_name() const { return executor_.device_name(); }
   double equal_cores() const { return executor_.equal_cores(); }

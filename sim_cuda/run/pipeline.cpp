@@ -8,6 +8,7 @@
 #include "sim_cuda/measure/measure.h"
 #include "sim_cuda/narrow_phase/contact_list.h"
 #include "sim_cuda/publish/pack.h"
+#include "sim_cuda/run/given_tree.h"
 #include "sim_cuda/run/simulation_state.h"
 #include "sim_cuda/solver/contact_impulses.h"
 #include "sim_cuda/solver/contact_solver.h"
@@ -43,6 +44,7 @@ class TypedPipeline final : public Pipeline {
     const auto stages = [&] {
       detect(speculative_margin());
       if (before_writing_ && !executor_.on_device()) before_writing_(*control_.data());
+      if (has_given_boxes_) return;  // inspected, not simulated
       // colour, prepare, bounce, forces, solve, move, relax, keep; other solvers have other stages
       solver_->advance(contacts_.view(), impulses_.data());
     };
@@ -71,6 +73,7 @@ class TypedPipeline final : public Pipeline {
   }
 
   void find_bounds(const SpeculativeMargin<Real>& margin) {
+    if (has_given_boxes_) return;
     const BodyBuffers<Real>& bodies = state_.bodies();
     if (margin.bound == MotionBound::none)
       executor_.run("bounds", body_count_,
@@ -84,7 +87,7 @@ class TypedPipeline final : public Pipeline {
 
   /// Extent of all bodies: the scene's box, or a reduction over the body boxes.
   const Aabb* extent() {
-    if (state_.box() || body_count_ == 0) return extent_.data();
+    if (state_.box() || has_given_boxes_ || body_count_ == 0) return extent_.data();
     return reduce<Aabb>(executor_, "bounds", body_count_, LoadBox{boxes_.data()}, extent_.data());
   }
 
@@ -102,6 +105,7 @@ class TypedPipeline final : public Pipeline {
 
   void reserve(Capacity capacity) override {
     pairs_.reserve(body_count_, capacity.pairs);
+    broad_phase_->reserve_pairs(capacity.pairs);
     contacts_.reserve(body_count_, capacity.contacts);
     solver_->reserve(capacity.contacts);
     measurer_.reserve(body_count_, capacity.contacts);
@@ -162,6 +166,7 @@ class TypedPipeline final : public Pipeline {
     solver_->visit_warm_start(visit);
   }
   BroadPhase& broad_phase() override { return *broad_phase_; }
+  BroadPhase& tree_source() override { return given_tree_ ? *given_tree_ : *broad_phase_; }
   std::int64_t broad_phase_bytes() const override { return broad_phase_bytes_; }
 
   void measure(StepStats& stats) override {
@@ -208,7 +213,9 @@ class TypedPipeline final : public Pipeline {
   SimulationState<Real> state_;
   const std::int64_t body_count_;
   Buffer<Aabb> boxes_, extent_;  // extent_: the scene's box, or scratch for the reduction
+  const bool has_given_boxes_;
   std::unique_ptr<BroadPhase> broad_phase_;
+  std::unique_ptr<BroadPhase> given_tree_;  ///< null: there is none
   std::int64_t broad_phase_bytes_ = 0;
   PairList pairs_;
   ContactList<Real> contacts_;
@@ -231,6 +238,7 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const std::string& broad_
       body_count_(state_.body_count()),
       boxes_(executor, "boxes"),
       extent_(executor, "extent"),
+      has_given_boxes_(!initial.boxes.empty()),
       broad_phase_(make_broad_phase(broad_phase, executor)),
       pairs_(executor),
       contacts_(executor),
@@ -252,11 +260,18 @@ TypedPipeline<Real>::TypedPipeline(Executor& executor, const std::string& broad_
     validator_ =
         std::make_unique<StageValidator<Real>>(executor, scene.physics.guards.value_or(ValidationSettings{}));
 
-  boxes_.resize_discarding(initial.size());
-  if (const std::optional<Box>& box = state_.box())
+  if (!has_given_boxes_) boxes_.resize_discarding(initial.size());
+  if (has_given_boxes_) {
+    boxes_.upload(initial.boxes);
+    Aabb all = Aabb::empty();
+    for (const Aabb& box : initial.boxes) all = combine(all, box);
+    extent_.upload({all});
+  } else if (const std::optional<Box>& box = state_.box()) {
     extent_.upload({Aabb{box->min.cast<float>(), box->max.cast<float>()}});
-  else
+  } else {
     extent_.resize_discarding(reduce_scratch_size(body_count_));
+  }
+  if (initial.tree) given_tree_ = make_given_tree(executor, initial.tree);
   const std::int64_t before = executor.allocated_bytes();
   broad_phase_->reserve(body_count_);
   broad_phase_bytes_ = executor.allocated_bytes() - before;

@@ -76,6 +76,8 @@ class Pipeline {
   /// Visits the persistent arrays that runs write: the state and the warm-start data.
   virtual void visit_persistent_arrays(const ArrayVisitor& visit) = 0;
   virtual BroadPhase& broad_phase() = 0;
+  /// The tree to show: that of the broad phase, or the tree of another program over the boxes of the scene.
+  virtual BroadPhase& tree_source() = 0;
   virtual std::int64_t broad_phase_bytes() const = 0;  ///< allocated by the method at its creation
 
   /// Measures energy, momenta and maxima at the current state. Precondition: the contacts are those of the

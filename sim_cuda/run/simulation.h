@@ -57,7 +57,7 @@ class Simulation {
   void replace_pipeline();
   BvhCache& bvh_cache() { return bvh_cache_; }
   /// Tree over the boxes of the last step or detect(). Cached until the next of them.
-  const TreeView& level_ordered_tree() { return bvh_cache_.level_ordered(pipeline().broad_phase()); }
+  const TreeView& level_ordered_tree() { return bvh_cache_.level_ordered(pipeline().tree_source()); }
   void keep_impulses() { records.keep(); }
 
   const Scene scene;

@@ -10,7 +10,7 @@
 
 namespace collidoscope {
 
-std::int64_t TreeProbe::nodes() const { return run_.pipeline().broad_phase().tree_nodes(); }
+std::int64_t TreeProbe::nodes() const { return run_.pipeline().tree_source().tree_nodes(); }
 
 TreeLevels TreeProbe::levels() {
   run_.detect();
@@ -35,7 +35,7 @@ std::vector<std::int64_t> TreeProbe::level_sizes() {
 
 const std::vector<std::int64_t>& TreeProbe::leaves() {
   run_.detect();
-  return run_.bvh_cache().leaves(run_.pipeline().broad_phase());
+  return run_.bvh_cache().leaves(run_.pipeline().tree_source());
 }
 
 // ---- measures ----
@@ -43,12 +43,12 @@ const std::vector<std::int64_t>& TreeProbe::leaves() {
 const TreeQuality& TreeProbe::quality() {
   run_.detect();
   Pipeline& pipeline = run_.pipeline();
-  return run_.bvh_cache().quality(pipeline.broad_phase(), pipeline.broad_phase_bytes());
+  return run_.bvh_cache().quality(pipeline.tree_source(), pipeline.broad_phase_bytes());
 }
 
 double TreeProbe::own_visits() {
   run_.detect();
-  return run_.bvh_cache().own_visits(run_.pipeline().broad_phase()).mean;
+  return run_.bvh_cache().own_visits(run_.pipeline().tree_source()).mean;
 }
 
 std::vector<NodeReport> TreeProbe::ranked(NodeMetric metric, std::int64_t first, std::int64_t count, int from,

@@ -6,7 +6,9 @@
 #include <filesystem>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/import/box_file.h"
 #include "sim_cuda/import/table_file.h"
+#include "sim_cuda/import/tree_file.h"
 #include "sim_cuda/scene/mass_properties.h"
 
 namespace collidoscope {
@@ -58,6 +60,13 @@ void append_optional(const BodyFile& file, const std::vector<Value>& values, std
 
 void read_body_file(const std::string& directory, BodyFile& file) {
   const std::string name = contained_file(directory, file.path);
+  if (file.boxes) {
+    file.table = std::make_shared<const BodyTable>(read_box_table(name));
+    if (!file.tree.empty())
+      file.given_tree = std::make_shared<const GivenTree>(
+          read_tree(contained_file(directory, file.tree), file.table->boxes));
+    return;
+  }
   TableOptions options;
   options.columns = parse_column_map(file.columns, name + ": columns");
   options.scale = file.scale;
@@ -72,11 +81,19 @@ void append_body_file(const BodyFile& file, double density, InitialBodies& all) 
     const double radius = table.radius.empty() ? *file.radius : table.radius[row];
     all.position.push_back(table.position[row]);
     all.radius.push_back(radius);
-    all.mass.push_back(table.mass.empty() ? density * sphere_volume(radius) : table.mass[row]);
+    all.mass.push_back(file.boxes           ? 1
+                       : table.mass.empty() ? density * sphere_volume(radius)
+                                            : table.mass[row]);
   });
   append_optional(file, table.velocity, first, Vector3d(0, 0, 0), all.velocity);
   append_optional(file, table.angular_velocity, first, Vector3d(0, 0, 0), all.angular_velocity);
   append_optional(file, table.orientation, first, Quaterniond(1, 0, 0, 0), all.orientation);
+  if (file.boxes) {
+    append_optional(file, table.boxes, first, Aabb::empty(), all.boxes);
+    if (file.excluded.empty()) all.tree = file.given_tree;  // a tree has all boxes
+    all.motion.resize(first, Motion::dynamic);
+    all.motion.resize(all.size(), Motion::fixed);
+  }
   if (file.material == 0) return;
   all.material.resize(first, 0);
   all.material.resize(all.size(), static_cast<std::uint16_t>(file.material));

@@ -151,6 +151,15 @@ void BodyValidator::check_body_files() {
     const FaultPath path{"body_files", static_cast<std::int64_t>(k)};
     fields_.check_all(path, body_file_fields, file);
     fields_.check_material(path, file.material);
+    if (!file.tree.empty() && !file.boxes) fields_.fault(path.at("tree"), "must not be given without boxes");
+    if (file.boxes) {
+      if (!file.columns.empty() || file.radius || file.scale != 1 || file.frame != 0)
+        fields_.fault(path, "must not have columns, scale, radius or frame, since it has boxes");
+      if (scene_.body_files.size() + scene_.bodies.size() + scene_.extra_bodies.size() +
+              scene_.generators.size() >
+          1)
+        fields_.fault(path, "must be the only bodies of the scene, since it has boxes");
+    }
     if (!file.table) continue;
     if (file.table->radius.empty() && !file.radius)
       fields_.fault(path.at("radius"), "must be given, since the file has no radii");

@@ -8,6 +8,8 @@
 
 #include "sim_cuda/core/executor_options.h"
 
+struct collidoscope_broad_phase;
+
 namespace collidoscope {
 
 struct BroadPhaseMethod {
@@ -17,10 +19,16 @@ struct BroadPhaseMethod {
   std::string_view weakness = {};
   bool morton = false;        ///< sorts by Morton keys
   bool cpu_only = false;      ///< has no GPU implementation
+  bool gpu_only = false;      ///< plug-ins only: has no CPU implementation
   bool needs_bullet = false;  ///< only builds with Bullet have it
   /// Cost of one comparison on one CPU core (Xeon at 2.x GHz), in ns. 0: the method does not compare all
   /// pairs.
   double ns_of_comparison = 0;
+  const collidoscope_broad_phase* plugin = nullptr;  ///< functions of the library; null: built in
+  std::string_view file = {};                        ///< of a plug-in: the full path of the library
+  /// Of a plug-in: its validation found wrong pairs. All its pairs are compared then.
+  bool has_wrong_pairs = false;
+  bool is_replaced = false;  ///< a newer version of the library is loaded
 };
 
 /// The first entry is the default.
@@ -102,7 +110,12 @@ inline constexpr BroadPhaseMethod broad_phase_methods[] = {
 /// Whether this build has the method.
 bool is_built(const BroadPhaseMethod& method);
 
-/// Names of the broad phases that `--broad-phase` accepts, the default first.
+/// Adds the method of a plug-in (sim_cuda/plugin/), until the process ends. All that it points to must stay
+/// valid. It replaces one of the same file. Throws InputError if there is another method of its name. Can be
+/// called from any thread.
+void add_broad_phase(const BroadPhaseMethod& method);
+
+/// Names of the broad phases that `--broad-phase` accepts, the default first, those of plug-ins last.
 std::vector<std::string> broad_phase_names();
 /// Names supported by the device that `kind` resolves to. bullet_dbvt needs the CPU.
 std::vector<std::string> broad_phase_names(ExecutorKind kind);
@@ -111,5 +124,10 @@ std::vector<std::string> broad_phase_names(ExecutorKind kind);
 const BroadPhaseMethod* find_broad_phase(const std::string& name);
 /// True if the method sorts by Morton keys. The key length then affects the quality of its tree.
 bool has_morton_keys(const std::string& name);
+/// Whether it is the method of a loaded plug-in.
+bool is_plugin(const std::string& name);
+/// A line for each loaded plug-in, such as "mine: plug-in /home/me/libmine.so, pairs not compared". Reports
+/// of measurements contain it.
+std::vector<std::string> plugin_notes(PairComparison comparison);
 
 }  // namespace collidoscope

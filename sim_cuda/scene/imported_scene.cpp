@@ -8,6 +8,7 @@
 
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/import/body_table.h"
+#include "sim_cuda/import/box_file.h"
 #include "sim_cuda/import/ply_file.h"
 #include "sim_cuda/import/robot_file.h"
 #include "sim_cuda/scene/body_file.h"
@@ -97,15 +98,44 @@ void import_robot(FileFormat format, Scene& scene) {
     scene.warnings.push_back(fmt::format("{}: {}", scene.file, note));
 }
 
-}  // namespace
-
-Scene import_scene(const std::string& file, FileFormat format, const ImportOptions& options) {
+/// A scene without bodies.
+Scene scene_of_file(const std::string& file) {
   const std::filesystem::path path(file);
   Scene scene;
   scene.directory = path.has_parent_path() ? path.parent_path().string() : ".";
   scene.name = printable(path.filename().string(), limits::max_name_length);
   scene.file = file;
   scene.physics.gravity = Vector3d(0, 0, 0);
+  return scene;
+}
+
+}  // namespace
+
+Scene import_boxes(const std::string& file, const std::string& tree) {
+  namespace fs = std::filesystem;
+  Scene scene = scene_of_file(file);
+  BodyFile& boxes = scene.body_files.emplace_back();
+  boxes.path = fs::path(file).filename().string();
+  boxes.boxes = true;
+  if (!tree.empty()) {
+    std::error_code failed;
+    const fs::path folder = fs::weakly_canonical(scene.directory, failed);
+    boxes.tree = fs::weakly_canonical(tree, failed).lexically_relative(folder).string();
+    if (boxes.tree.empty() || boxes.tree.starts_with(".."))
+      throw InputError(
+          fmt::format("{}: not in the folder of {}, expected both files in one folder", tree, file));
+  }
+  read_body_file(scene.directory, boxes);
+  scene.warnings.push_back(fmt::format("{}: {} boxes{}; they are inspected, not simulated", file,
+                                       boxes.table->size(), tree.empty() ? "" : " and a tree over them"));
+  valid(scene);
+  return scene;
+}
+
+Scene import_scene(const std::string& file, FileFormat format, const ImportOptions& options) {
+  if (format == FileFormat::npy && !options.any() && is_box_file(file)) return import_boxes(file, "");
+  const std::filesystem::path path(file);
+  Scene scene = scene_of_file(file);
   const bool is_mesh = format == FileFormat::obj || format == FileFormat::stl ||
                        (format == FileFormat::ply && ply_has_faces(file));
   const bool is_robot = format == FileFormat::urdf || format == FileFormat::mjcf;

@@ -20,6 +20,9 @@ struct ImportOptions {
   bool any() const { return !columns.empty() || radius || scale != 1 || frame != 0; }
 };
 
+/// A scene of boxes. `tree`: path of a tree over them in the same folder, or empty. Throws InputError.
+Scene import_boxes(const std::string& file, const std::string& tree);
+
 /// A scene of the bodies of a file, without gravity and walls. Its warnings tell what was assumed, and what
 /// was not taken from the file. Throws InputError.
 Scene import_scene(const std::string& file, FileFormat format, const ImportOptions& options);

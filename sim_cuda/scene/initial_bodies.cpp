@@ -239,6 +239,7 @@ InitialBodies initial_bodies(const Scene& scene, Cancellation* cancellation) {
     needs.angular_velocity |= !file.table->angular_velocity.empty();
     needs.orientation |= !file.table->orientation.empty();
     needs.material |= file.material != 0;
+    needs.motion |= file.boxes;
   }
 
   append_listed(scene, scene.extra_bodies, meshes, all, needs);

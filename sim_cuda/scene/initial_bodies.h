@@ -6,10 +6,12 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "sim_cuda/core/aabb.h"
 #include "sim_cuda/scene/scene.h"
 
 namespace collidoscope {
@@ -42,6 +44,8 @@ struct InitialBodies {
   std::vector<std::uint32_t> mesh;         ///< 0: sphere; k: meshes[k - 1]; empty: all are spheres
   std::vector<Motion> motion;              ///< empty: all are dynamic
   std::vector<Mesh> meshes;                ///< one entry per file
+  std::vector<Aabb> boxes;                 ///< m, instead of the bounds of the bodies; empty: none
+  std::shared_ptr<const GivenTree> tree;   ///< over `boxes`, of another program; null: none
   std::optional<Box> box;  ///< container: the scene's box, or the box of the generator's variant
 
   std::size_t size() const { return position.size(); }

@@ -37,6 +37,9 @@ inline constexpr std::array<Named<LaneOrder>, 3> lane_order_names{
     {{"contiguous", LaneOrder::contiguous, "each lane processes one range of items"},
      {"strided", LaneOrder::strided, "a test mode"},
      {"shuffled", LaneOrder::shuffled, "a test mode"}}};
+inline constexpr std::array<Named<PairComparison>, 2> pair_comparison_names{
+    {{"off", PairComparison::off, "pairs are not compared"},
+     {"on", PairComparison::on, "in each step, with those of lbvh_ropes"}}};
 inline constexpr std::array<Named<SortMethod>, 3> sort_names{
     {{"auto", SortMethod::automatic, "counting sort by cell up to 2^21 bodies, else library"},
      {"library", SortMethod::library, "CUB radix sort, or the sort of the CPU"},

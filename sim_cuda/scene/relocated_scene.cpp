@@ -22,12 +22,16 @@ Scene relocated_scene(Scene scene, const std::string& folder) {
   for (std::vector<Body>* bodies : {&scene.bodies, &scene.extra_bodies})
     for (Body& body : *bodies)
       if (body.shape == Shape::mesh) body.mesh = path_from(folder, scene.directory, body.mesh);
-  for (BodyFile& file : scene.body_files) {
-    std::string path = path_from(folder, scene.directory, file.path);
+  const auto relocate = [&](std::string& file) {
+    std::string path = path_from(folder, scene.directory, file);
     if (path.empty() || path.starts_with(".."))
-      throw InputError(fmt::format("{} is not in the folder of the scene, {}; expected a scene beside it",
-                                   file.path, folder));
-    file.path = std::move(path);
+      throw InputError(
+          fmt::format("{} is not in the folder of the scene, {}; expected a scene beside it", file, folder));
+    file = std::move(path);
+  };
+  for (BodyFile& file : scene.body_files) {
+    relocate(file.path);
+    if (!file.tree.empty()) relocate(file.tree);
   }
   scene.directory = folder;
   return scene;

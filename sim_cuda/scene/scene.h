@@ -121,18 +121,23 @@ struct BoxCollider {
 };
 
 struct BodyTable;
+struct GivenTree;
 
-/// Spheres of a foreign file, a row for each: NPY, NPZ, CSV, XYZ, LAMMPS dump or PLY.
+/// Spheres of a foreign file, a row for each: NPY, NPZ, CSV, XYZ, LAMMPS dump or PLY. Or boxes, which are
+/// inspected and not simulated: a scene with boxes has no other bodies.
 struct BodyFile {
   std::string path;              ///< relative to the scene file, in its folder
   std::string columns;           ///< "x=1,radius=r", in addition to the names in the file
   double scale = 1;              ///< m per unit of length in the file, > 0
   std::optional<double> radius;  ///< m, > 0; required if the file has no radii
   std::int64_t frame = 0;        ///< of a file with several, from 0
+  bool boxes = false;  ///< a row has the minimum and the maximum of a box; or boxes of a mesh's triangles
+  std::string tree;    ///< of the boxes: path of a tree over them, or empty
   int material = 0;
   std::vector<std::int64_t> excluded{};  ///< indices of removed rows, as in BoxCollider
   /// The contents of the file, read with the scene. Not written to scene files.
   std::shared_ptr<const BodyTable> table{};
+  std::shared_ptr<const GivenTree> given_tree{};
 };
 
 /// A fixed half-space. Bodies stay where normal . x >= offset.

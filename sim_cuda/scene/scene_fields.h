@@ -116,6 +116,15 @@ inline constexpr auto body_file_fields = std::tuple{
     detail::number<&BodyFile::radius>("radius", "radius of all its bodies; only if the file has no radii",
                                       "m", limits::min_radius, limits::max_radius, "radii of the file"),
     detail::number<&BodyFile::frame>("frame", "frame of a file with several, from 0", "", 0, 1e9),
+    Field<&BodyFile::boxes>{
+        .key = "boxes",
+        .help = "boxes to inspect without dynamics: a NPY array of shape (n, 6) or (n, 2, 3), "
+                "or the triangles of an OBJ, STL or PLY mesh. Such a scene has no other "
+                "bodies"},
+    Field<&BodyFile::tree>{.key = "tree",
+                           .help = "boxes only: path of a tree over them, a NPY array of shape (m, 8), as "
+                                   "`bvh --tree`",
+                           .fallback = "none"},
 };
 
 inline constexpr auto plane_fields = std::tuple{

@@ -190,12 +190,13 @@ inline constexpr auto shape_settings = std::tuple{
                                  .slider_high = limits::max_threads},
 };
 inline constexpr auto run_settings = std::tuple{
-    Field<&RunOptions::broad_phase>{.key = "broad_phase",
-                                    .help = "method that finds pairs of overlapping boxes",
-                                    .words = broad_phase_names,
-                                    .label = "broad phase",
-                                    .placeholder = "NAME",
-                                    .live = Live::new_world},
+    Field<&RunOptions::broad_phase>{
+        .key = "broad_phase",
+        .help = "method that finds pairs of overlapping boxes, or the path of a plug-in",
+        .words = broad_phase_names,
+        .label = "broad phase",
+        .placeholder = "NAME",
+        .live = Live::new_world},
     Field<&RunOptions::initial_pair_capacity>{
         .key = "initial_pair_capacity",
         .help = "initial capacity of the pair list in pairs, or auto; the list grows if needed",
@@ -229,6 +230,12 @@ inline constexpr auto executor_settings = std::tuple{
                                       .automatic = Auto::zero,
                                       .choices = key_bits_names,
                                       .placeholder = "K"},
+    Field<&ExecutorOptions::check_pairs>{.key = "check_pairs",
+                                         .help = "comparison of the pairs of a plug-in",
+                                         .choices = pair_comparison_names,
+                                         .label = "check pairs",
+                                         .placeholder = "NAME",
+                                         .live = Live::new_world},
     Field<&ExecutorOptions::sort>{
         .key = "sort", .help = "sort method for keys", .choices = sort_names, .placeholder = "NAME"},
     Field<&ExecutorOptions::memory_limit>{

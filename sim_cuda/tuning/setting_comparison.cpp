@@ -58,11 +58,7 @@ class Choices {
   std::vector<SettingChoice>& all_;
 };
 
-bool sorts_by_key(const World& world) {
-  const auto* found =
-      std::ranges::find(broad_phase_methods, world.options().broad_phase, &BroadPhaseMethod::name);
-  return found != std::end(broad_phase_methods) && found->morton;
-}
+bool sorts_by_key(const World& world) { return has_morton_keys(world.options().broad_phase); }
 
 struct Axis {
   const char* name;

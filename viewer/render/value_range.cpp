@@ -10,7 +10,7 @@ namespace collidoscope {
 namespace {
 
 // Rounds up to two significant digits for legends: 17.3 becomes 18.
-double round_up(double value) {
+double rounded_up_to_digits(double value) {
   if (!(value > 0) || !std::isfinite(value)) return 1;
   const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
   return std::ceil(value / unit - 1e-9) * unit;
@@ -29,10 +29,10 @@ ValueRange color_range(World& world, const FrameScene& scene, BodyColor color, c
       // The map ends at 2.2 times the root mean square (weighted by mass). Equal speeds lie in its middle,
       // and a few fast bodies do not compress the colours. The legend marks clipped values.
       const double rms = scene.total_mass > 0 ? std::sqrt(2 * stats.kinetic_energy / scene.total_mass) : 0;
-      return {0, round_up(2.2 * rms)};
+      return {0, rounded_up_to_digits(2.2 * rms)};
     }
     case BodyColor::radius:
-      return {0, round_up(scene.largest_radius)};
+      return {0, rounded_up_to_digits(scene.largest_radius)};
     case BodyColor::contacts:
       return {0, 12};  // maximum number of equal spheres that touch one sphere
     case BodyColor::id:
@@ -107,7 +107,7 @@ ValueRange value_range(World& world, const FrameScene& scene, const FrameLayers&
         layers.error_scale > 0
             ? layers.error_scale
             : automatic_error_scale(world.publisher().errors(), scene.body_size, scene.bounds.diagonal());
-  if (stats.max_impulse > 0) range.max_impulse = round_up(stats.max_impulse);
+  if (stats.max_impulse > 0) range.max_impulse = rounded_up_to_digits(stats.max_impulse);
   return range;
 }
 

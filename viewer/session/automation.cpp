@@ -181,6 +181,8 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"contact_rows", workspace.contact_rows.others},
                {"pairs", view.stats.pairs},
                {"contacts", view.stats.touching},
+               {"pairs_note", view.pairs_note},
+               {"faulty_pairs", view.faulty_pairs.size()},
                {"notice", workspace.notice}};
   for_each_setting([&]<auto member>(const Field<member>& setting) {
     using Owner = typename Field<member>::Owner;

@@ -9,7 +9,8 @@ namespace collidoscope {
 void fill_view(World& world, const StepStats& stats, const History& history, WorkspaceView& view) {
   view.scene = world.scene().name;
   view.generated = world.scene().generators.size() == 1;
-  view.has_body_file = world.scene().body_files.size() == 1;
+  view.has_body_file = world.scene().body_files.size() == 1 && !world.scene().body_files[0].boxes;
+  view.given_tree = world.initial().tree ? world.scene().body_files[0].tree : "";
   view.active_settings = settings_of(world);
   view.removed_bodies = view.other_bodies = 0;
   if (view.generated) {
@@ -24,6 +25,9 @@ void fill_view(World& world, const StepStats& stats, const History& history, Wor
   view.tuned = info.tuned;
   view.tuned_rejection = info.tuned_rejection;
   view.broad_phases = broad_phase_names();
+  const std::optional<PairCheck> check = world.pair_check();
+  view.pairs_note = check ? note_of(*check) : "";
+  view.has_wrong_pairs = check && check->is_wrong();
   view.effects = names_of(world.effects());
   view.substeps = world.substeps();
   view.substeps_missed = world.substeps_missed();

@@ -1,5 +1,7 @@
 #include "viewer/view/published_state.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <span>
 
@@ -64,6 +66,21 @@ void publish_frozen(LiveWorld& live, PublishedState& to) {
     to.frozen.push_back({id, bodies.position[id], live.world().initial().radius[id]});
 }
 
+/// Missing and duplicate pairs of the last run of a plug-in.
+void publish_faulty_pairs(LiveWorld& live, PublishedState& to) {
+  to.faulty_pairs.clear();
+  if (!to.view.has_wrong_pairs) return;
+  const std::optional<PairCheck> check = live.world().pair_check();
+  if (!check || !check->examples_are_of_last_run) return;
+  const BodyStates bodies = live.world().bodies();
+  const std::vector<double>& radius = live.world().initial().radius;
+  for (const FaultyPair& pair : check->examples)
+    if (pair.fault == PairFault::missing || pair.fault == PairFault::duplicate)
+      to.faulty_pairs.push_back({bodies.position[pair.a], bodies.position[pair.b], radius[pair.a],
+                                 radius[pair.b],
+                                 fmt::format("{} {}-{}", name_of(pair.fault), pair.a, pair.b)});
+}
+
 }  // namespace
 
 void publish_state(LiveWorld& live, const PublishRequest& request, LiveReference* reference,
@@ -74,6 +91,7 @@ void publish_state(LiveWorld& live, const PublishRequest& request, LiveReference
   publish_frozen(live, to);
   to.history = live.history();
   fill_view(live.world(), live.stats(), to.history, to.view);
+  publish_faulty_pairs(live, to);
   to.view.history = nullptr;
   to.view.stop.reset();
   to.view.level_sizes = live.level_sizes(request.layers.boxes || request.exact_levels);

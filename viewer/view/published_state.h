@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "sim_cuda/run/published_records.h"
@@ -58,6 +59,13 @@ struct PublishedState {
   };
   std::vector<Frozen> frozen;  ///< the first hundred; positions are constant
   int frozen_generation = -1;
+
+  struct FaultyPairBodies {
+    Vector3d a, b;              ///< m
+    double radius_a, radius_b;  ///< m
+    std::string text;
+  };
+  std::vector<FaultyPairBodies> faulty_pairs;  ///< of a plug-in, at this state
 
   WorkspaceView view;  ///< values from the run; `history` and `stop` are not set
   History history;

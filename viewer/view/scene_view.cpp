@@ -89,6 +89,7 @@ void SceneView::draw(const PublishedState& state, const Workspace& workspace, co
     camera_set_ = true;
   }
   frozen_ = state.frozen;
+  faulty_pairs_ = state.faulty_pairs;
   follow_selection(state, workspace);
   mark(workspace, tree);
   upload(state);
@@ -200,6 +201,21 @@ std::vector<std::vector<std::pair<double, double>>> SceneView::frozen_outlines()
   for (const PublishedState::Frozen& body : frozen_)
     outlines.push_back(sphere_outline(camera_, body.at, room * body.radius, width_, height_));
   return outlines;
+}
+
+std::vector<WorkspaceView::FaultyPairView> SceneView::faulty_pairs() const {
+  std::vector<WorkspaceView::FaultyPairView> pairs;
+  const auto outline_of = [&](const Vector3d& at, double radius, auto& points) {
+    for (const auto& [x, y] : sphere_outline(camera_, at, radius, width_, height_))
+      points.emplace_back(static_cast<float>(x), static_cast<float>(y));
+  };
+  for (const PublishedState::FaultyPairBodies& pair : faulty_pairs_) {
+    WorkspaceView::FaultyPairView& view = pairs.emplace_back();
+    view.text = pair.text;
+    outline_of(pair.a, pair.radius_a, view.a);
+    outline_of(pair.b, pair.radius_b, view.b);
+  }
+  return pairs;
 }
 
 std::vector<std::pair<double, double>> SceneView::outline() const {

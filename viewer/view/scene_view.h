@@ -57,6 +57,8 @@ class SceneView {
   double scene_size() const { return renderer_ ? renderer_->scene().size : 1; }
   /// Outline of the selected body in pixels of the view.
   std::vector<std::pair<double, double>> outline() const;
+  /// Outlines of the bodies of wrong pairs, in pixels of the 3D view.
+  std::vector<WorkspaceView::FaultyPairView> faulty_pairs() const;
   /// Outlines of the first hundred frozen bodies.
   std::vector<std::vector<std::pair<double, double>>> frozen_outlines() const;
 
@@ -92,6 +94,7 @@ class SceneView {
   std::optional<BodyReport> selected_;
 
   std::vector<PublishedState::Frozen> frozen_;
+  std::vector<PublishedState::FaultyPairBodies> faulty_pairs_;
 
   // Source of the boxes on top of the picture.
   struct Marked {
