@@ -14,7 +14,7 @@ namespace {
 
 TEST(GoldenFiles, EachIsReadByATest) {
   EXPECT_THAT(unread_files(project_file("tests/golden"), golden_files_read()), testing::IsEmpty())
-      << "delete these files, or read them with golden_file<> or check_golden<>";
+      << "delete these files, or read them with golden_file<> or looks_like_golden<>";
 }
 
 TEST(GoldenFiles, EachThatATestReadsIsThere) {

@@ -90,8 +90,8 @@ TEST(LaunchMap, NumbersHaveThreeDigits) {
 
 TEST(LaunchMap, LooksAsItDid) {
   const LaunchSearch search = invented_search();
-  EXPECT_EQ(
-      check_golden<"launch_map">(ChartPicture(1200, 760).draw(launch_map(invented_run(search), search))), "");
+  EXPECT_TRUE(looks_like_golden<"launch_map">(
+      ChartPicture(1200, 760).draw(launch_map(invented_run(search), search))));
 }
 
 /// Every kind of cell changes the picture.

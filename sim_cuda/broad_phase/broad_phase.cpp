@@ -44,6 +44,10 @@ static_assert(each_has_its_factory(),
               "the factories must match the names of broad_phase_methods.h, in the same order");
 }  // namespace
 
+std::vector<std::string> broad_phase_names(ExecutorKind kind) {
+  return broad_phase_names_on(kind != ExecutorKind::cpu && cuda_available());
+}
+
 std::unique_ptr<BroadPhase> make_broad_phase(const std::string& name, Executor& executor) {
   const BroadPhaseMethod* method = find_broad_phase(name);
   if (method == nullptr) {

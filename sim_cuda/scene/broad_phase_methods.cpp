@@ -63,8 +63,7 @@ std::vector<std::string> broad_phase_names() {
   return names;
 }
 
-std::vector<std::string> broad_phase_names(ExecutorKind kind) {
-  const bool on_gpu = kind != ExecutorKind::cpu && cuda_available();
+std::vector<std::string> broad_phase_names_on(bool on_gpu) {
   std::vector<std::string> names;
   for_each_built([&](const BroadPhaseMethod& method) {
     if (!(on_gpu ? method.cpu_only : method.gpu_only)) names.emplace_back(method.name);

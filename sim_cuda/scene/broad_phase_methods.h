@@ -120,6 +120,9 @@ std::vector<std::string> broad_phase_names();
 /// Names supported by the device that `kind` resolves to. bullet_dbvt needs the CPU.
 std::vector<std::string> broad_phase_names(ExecutorKind kind);
 
+/// Names supported by GPUs, or by CPUs.
+std::vector<std::string> broad_phase_names_on(bool on_gpu);
+
 /// The method of that name in this build, or null.
 const BroadPhaseMethod* find_broad_phase(const std::string& name);
 /// True if the method sorts by Morton keys. The key length then affects the quality of its tree.

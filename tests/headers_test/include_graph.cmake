@@ -36,7 +36,9 @@ macro(sim name)
   folder(sim_cuda/${name} NOT "${drawing}|CLI/" MAY ${may})
 endmacro()
 
-# Lowest layer first.
+# Lowest layer first. The comparison of pictures uses nothing of the project.
+folder(capture NOT "${windows}|GL/|EGL/|cuda")
+folder(capture/include/collidoscope NOT "${windows}|GL/|EGL/|cuda")
 sim(core)
 sim(import core "scene/limits[.]h")
 sim(scene core import)
@@ -82,7 +84,7 @@ folder(headless NOT "${windows}|CLI/" MAY sim_cuda/* ui viewer/render/* viewer/s
 
 set(offences "")
 set(seen 0)
-foreach(top sim_cuda ui viewer headless tests)
+foreach(top capture sim_cuda ui viewer headless tests)
   file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/${top}/*.h ${ROOT}/${top}/*.cpp)
   foreach(file IN LISTS files)
     math(EXPR seen "${seen} + 1")
@@ -107,7 +109,7 @@ foreach(top sim_cuda ui viewer headless tests)
     foreach(line IN LISTS lines)
       if(line MATCHES "include[ \t]*\"([^\"]+)\"")
         set(header ${CMAKE_MATCH_1})
-        if(NOT header MATCHES "^(sim_cuda|viewer|ui|headless|tests)/")
+        if(NOT header MATCHES "^(capture|sim_cuda|viewer|ui|headless|tests)/")
           list(APPEND offences "${file}: \"${header}\" is not rooted at the repository")
         elseif(NOT header MATCHES "${may}")
           list(APPEND offences "${file}: may not include \"${header}\"")
