@@ -29,7 +29,9 @@ testing::AssertionResult looks_like_golden(const std::string& name, const Image&
   if (only_known != nullptr && std::string(only_known) == "1" && updates == nullptr &&
       !std::filesystem::is_directory(settings.goldens / capture::folder_of_renderer(settings.renderer)))
     return testing::AssertionFailure() << "no goldens are of " << settings.renderer;
-  return capture::looks_like(name, pixels_of(picture), tolerance);
+  capture::Tolerance sensitive = tolerance;
+  sensitive.must_detect = 32;
+  return capture::looks_like(name, pixels_of(picture), sensitive);
 }
 
 }  // namespace collidoscope

@@ -95,9 +95,12 @@ void draw_on_scene(const Workspace& workspace, const WorkspaceView& view) {
     };
     const ImVec2 from = middle(pair.a), to = middle(pair.b);
     list->AddLine(from, to, red, ImGui::GetFontSize() / 7);
-    if (&pair - view.faulty_pairs.data() < 8)
-      list->AddText({(from.x + to.x) / 2 + 4, (from.y + to.y) / 2}, IM_COL32(255, 200, 196, 255),
-                    pair.text.c_str());
+    constexpr std::ptrdiff_t most_labels = 8;
+    if (&pair - view.faulty_pairs.data() >= most_labels) continue;
+    const ImVec2 at_text{(from.x + to.x) / 2 + 4, (from.y + to.y) / 2};
+    const ImVec2 size = ImGui::CalcTextSize(pair.text.c_str());
+    list->AddRectFilled(at_text, {at_text.x + size.x, at_text.y + size.y}, IM_COL32(16, 18, 22, 170));
+    list->AddText(at_text, IM_COL32(255, 200, 196, 255), pair.text.c_str());
   }
   outline(view.outline, IM_COL32(255, 214, 92, 255));
   float y = at.y + at.height - 0.5f * ImGui::GetFontSize();  // bottom of the next text

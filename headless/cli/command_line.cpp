@@ -317,6 +317,13 @@ CommandLine parse_command(CLI::App& app, CLI::App& selected, const CommandInfo& 
 
 }  // namespace
 
+std::vector<CommandText> command_texts() {
+  std::vector<CommandText> texts;
+  for (const CommandInfo& command : commands())
+    texts.push_back({command.name, command.usage(), command.help, command.command});
+  return texts;
+}
+
 CommandLine parse_command_line(const std::vector<std::string>& arguments, std::span<const Suite> suites) {
   CLI::App app("Collidoscope without a window.", "collidoscope-headless");
   set_up(app);

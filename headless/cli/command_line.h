@@ -33,6 +33,12 @@ struct Suite {
   /// throws InputError or MachineError, and has written nothing then.
   int (*run)(const CommandLine& line);
 };
+/// A command of collidoscope-headless, for man pages and completion.
+struct CommandText {
+  std::string name, usage, help;
+  Command command;
+};
+std::vector<CommandText> command_texts();
 /// Reads the arguments that follow the program's name; `suites` are those of bench. Throws InputError with a
 /// line for each fault.
 CommandLine parse_command_line(const std::vector<std::string>& arguments, std::span<const Suite> suites = {});

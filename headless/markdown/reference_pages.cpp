@@ -78,6 +78,10 @@ std::string reference_table(std::string_view topic) {
 }
 
 std::optional<std::string> markdown_help(const std::vector<std::string>& arguments) {
+  if (arguments.size() == 3 && arguments[0] == "help" && arguments[1] == "--man")
+    return man_page(arguments[2]);
+  if (arguments.size() == 2 && arguments[0] == "help" && arguments[1] == "--completion")
+    return bash_completion();
   if (arguments.size() < 2 || arguments[0] != "help" || arguments[1] != "--markdown") return std::nullopt;
   if (arguments.size() > 3)
     throw InputError(shown(arguments[3]) + ": unexpected argument; usage: help --markdown [TOPIC]");

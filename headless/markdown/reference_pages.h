@@ -23,6 +23,10 @@ std::string reference_table(std::string_view topic);
 /// What the arguments `help --markdown [TOPIC]` print; unset for other arguments. Throws InputError.
 std::optional<std::string> markdown_help(const std::vector<std::string>& arguments);
 
+/// What `help --man PROGRAM` and `help --completion` print: a man page in roff, and completion for bash.
+std::string man_page(std::string_view program);
+std::string bash_completion();
+
 std::string flags_reference();
 std::string scene_reference();
 std::string effects_reference();

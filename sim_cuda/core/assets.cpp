@@ -19,6 +19,7 @@ std::vector<fs::path> asset_folders() {
   if (const char* named = std::getenv("COLLIDOSCOPE_ASSETS"); named && *named) folders.emplace_back(named);
   for (const char* up : {"..", "../..", "../../.."})
     folders.push_back((program_folder() / up).lexically_normal() / "assets");
+  folders.push_back((program_folder() / ".." / "share" / "collidoscope" / "assets").lexically_normal());
   return folders;
 }
 

@@ -9,7 +9,8 @@
 namespace collidoscope {
 
 /// The search path, in order: $COLLIDOSCOPE_ASSETS, then assets/ one, two and three folders above the program
-/// (for a bundle's bin/, build/bin/ and build/<preset>/bin/).
+/// (for a bundle's bin/, build/bin/ and build/<preset>/bin/), and share/collidoscope/assets beside an
+/// installed bin/.
 std::vector<std::filesystem::path> asset_folders();
 
 /// Path of the file or folder `name` ("scenes/box_collider.json") in the first of these folders that contains

@@ -38,6 +38,8 @@ endmacro()
 
 # Lowest layer first. The comparison of pictures uses nothing of the project.
 folder(capture NOT "${windows}|GL/|EGL/|cuda")
+folder(capture/egl NOT "${windows}|cuda" MAY capture/include/collidoscope)
+folder(capture/example NOT "${windows}|cuda")
 folder(capture/include/collidoscope NOT "${windows}|GL/|EGL/|cuda")
 sim(core)
 sim(import core "scene/limits[.]h")
