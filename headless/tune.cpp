@@ -24,6 +24,7 @@
 #include "headless/tuning/tuner_progress.h"
 #include "sim_cuda/core/cancellation.h"
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "sim_cuda/tuning/brute_force.h"
 #include "sim_cuda/tuning/launch_tuner.h"
 #include "sim_cuda/tuning/tuned_file.h"
@@ -48,6 +49,7 @@ TuneJson report_of(const World& world, const TunedRun& run, const LaunchTuner& t
                   {"state", run.state},
                   {"device", run.device},
                   {"broad_phase", run.broad_phase},
+                  {"plugins", plugin_notes(world.options().check_pairs)},
                   {"physics_version", run.physics_version},
                   {"reference", {{"shape", shape_text(run.reference)}, {"ms", run.reference_ms}}},
                   {"seconds", tuner.spent()}};

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <iomanip>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -102,6 +103,26 @@ TEST_F(BoxScenes, AreDetectedByTheirShape) {
   EXPECT_EQ(outcome.status, 2);
 }
 
+TEST_F(BoxScenes, HaveColumnsInTables) {
+  const std::string table = folder_ / "boxes.csv";
+  std::ofstream csv(table);
+  csv << std::setprecision(12) << "id,xmin,ymin,zmin,xmax,ymax,zmax\n";
+  for (std::size_t k = numbers_.size(); k > 0; k -= 6) {  // in descending order of ids
+    csv << k / 6;
+    for (std::size_t column = 0; column < 6; ++column)
+      csv << ',' << static_cast<double>(numbers_[k - 6 + column]) * 1000;
+    csv << '\n';
+  }
+  csv.close();
+  const json found = report({table, "--scale", "0.001", "--steps", "0"});
+  EXPECT_EQ(found["pairs"]["aabb"], brute_force_pairs());
+  EXPECT_EQ(found["pairs"]["touching"], 0);
+  std::ofstream(folder_ / "both.csv") << "x,y,z,xmin,ymin,zmin,xmax,ymax,zmax\n0,0,0,0,0,0,1,1,1\n";
+  const Outcome both = run_headless({"run", folder_ / "both.csv", "--steps", "0"});
+  EXPECT_EQ(both.status, 2);
+  EXPECT_THAT(both.err, HasSubstr("leave one out with --columns"));
+}
+
 TEST_F(BoxScenes, ShowATreeOfAnotherProgram) {
   const std::string out = folder_ / "pictures";
   const Outcome outcome =
@@ -140,7 +161,7 @@ TEST_F(BoxScenes, WrongFilesAreBadInput) {
   EXPECT_THAT(fault({folder_ / "mixed.json"}), HasSubstr("must be the only bodies of the scene"));
   std::ofstream(folder_ / "scaled.json")
       << R"({"format": "collidoscope-scene", "version": 1, "body_files": [{"path": "boxes.npy", "boxes": true, "scale": 2}]})";
-  EXPECT_THAT(fault({folder_ / "scaled.json"}), HasSubstr("must not have columns, scale, radius or frame"));
+  EXPECT_THAT(fault({folder_ / "scaled.json"}), HasSubstr("boxes without columns, expected no scale"));
 }
 
 TEST(Series, ArePicturesOfTheirFrames) {

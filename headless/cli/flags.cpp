@@ -262,7 +262,7 @@ std::vector<Flag> all_flags() {
         "SCENE is a file of bodies: columns of quantities, by name or number from 1, or none: "
         "x=px,y=py,radius=4,vx=none; quantities: id, x, y, z, radius, diameter, mass, vx, vy, vz, wx, wy, "
         "wz, qw, qx, "
-        "qy, qz [by the names of the columns]",
+        "qy, qz; or of boxes: min_x, min_y, min_z, max_x, max_y, max_z [by the names of the columns]",
         columns},
        {"--radius", "R", "m: radius of bodies in a file without radii [a quarter of their mean distance]",
         [](FlagValue& value, Options& options) {

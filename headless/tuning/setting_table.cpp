@@ -7,6 +7,7 @@
 
 #include "headless/reporting/percentiles_json.h"
 #include "sim_cuda/core/physics_version.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 
 namespace collidoscope {
 namespace {
@@ -26,6 +27,7 @@ Json settings_json(World& world, const SettingComparison& comparison) {
               {"state", world.steps()},
               {"device", info.device_name},
               {"broad_phase", world.options().broad_phase},
+              {"plugins", plugin_notes(world.options().check_pairs)},
               {"physics_version", physics_version},
               {"reference",
                {{"ms", number_or_null(comparison.reference_ms)},

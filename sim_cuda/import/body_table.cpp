@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/import/outwards.h"
 #include "sim_cuda/scene/limits.h"
 
 namespace collidoscope {
@@ -21,6 +22,20 @@ void put_in_order(std::vector<Value>& values, const std::vector<std::uint32_t>& 
 }
 
 }  // namespace
+
+void take_boxes(std::vector<Aabb> boxes, const std::string& place, BodyTable& table) {
+  table.position.clear();
+  table.radius.clear();
+  for (std::size_t k = 0; k < boxes.size(); ++k) {
+    const Vector3d min = boxes[k].min.cast<double>(), max = boxes[k].max.cast<double>();
+    if (!(std::max(min.cwiseAbs().maxCoeff(), max.cwiseAbs().maxCoeff()) <= limits::max_coordinate))
+      throw InputError(
+          fmt::format("{}: box {} is beyond {:g} m of the origin", place, k, limits::max_coordinate));
+    table.position.push_back((min + max) / 2);
+    table.radius.push_back(std::clamp((max - min).minCoeff() / 2, limits::min_radius, limits::max_radius));
+  }
+  table.boxes = std::move(boxes);
+}
 
 std::string range_fault(const ColumnTarget& target, const std::string& number) {
   const BodyQuantityInfo& info = info_of(target.quantity);
@@ -47,6 +62,7 @@ BodyTableBuilder::BodyTableBuilder(const ColumnChoice& choice, std::size_t rows,
     table_.angular_velocity.resize(rows, Vector3d(0, 0, 0));
   if (choice.has(qw)) table_.orientation.resize(rows, Quaterniond(1, 0, 0, 0));
   if (choice.has(id)) id_.resize(rows);
+  if (choice.has(min_x)) corners_.resize(6 * rows);
 }
 
 std::vector<ColumnTarget> BodyTableBuilder::targets(std::size_t count) {
@@ -108,6 +124,16 @@ ColumnTarget BodyTableBuilder::target_of(BodyQuantity quantity) {
           table_.orientation[0].coeffs().data() + (static_cast<int>(quantity) + 3 - static_cast<int>(qw)) % 4;
       target.stride = 4;
       break;
+    case min_x:
+    case min_y:
+    case min_z:
+    case max_x:
+    case max_y:
+    case max_z:
+      target.first = corners_.data() + (static_cast<int>(quantity) - static_cast<int>(min_x));
+      target.stride = 6;
+      target.factor = scale_;
+      break;
   }
   return target;
 }
@@ -140,6 +166,24 @@ BodyTable BodyTableBuilder::finish(std::span<const std::string> names, std::size
     put_in_order(table_.velocity, order);
     put_in_order(table_.angular_velocity, order);
     put_in_order(table_.orientation, order);
+    std::vector<double> corners;
+    for (const std::uint32_t row : order)
+      if (!corners_.empty()) corners.insert(corners.end(), &corners_[6 * row], &corners_[6 * row] + 6);
+    corners_.swap(corners);
+  }
+  if (!corners_.empty()) {
+    std::vector<Aabb> boxes(corners_.size() / 6);
+    for (std::size_t k = 0; k < boxes.size(); ++k)
+      for (int axis = 0; axis < 3; ++axis) {
+        const double low = corners_[6 * k + static_cast<std::size_t>(axis)],
+                     high = corners_[6 * k + 3 + static_cast<std::size_t>(axis)];
+        if (low > high)
+          throw InputError(fmt::format("{}: box {}: {} from {} to {} has min above max", place_, k,
+                                       "xyz"[axis], low, high));
+        boxes[k].min[axis] = rounded_outwards(low, -1);
+        boxes[k].max[axis] = rounded_outwards(high, 1);
+      }
+    take_boxes(std::move(boxes), place_, table_);
   }
   return std::move(table_);
 }

@@ -31,6 +31,10 @@ struct BodyTable {
   std::size_t size() const { return position.size(); }
 };
 
+/// Fills boxes, and with spheres within the boxes, at their centres, positions and radii. Throws InputError
+/// for a box beyond limits::max_coordinate; `place` begins the line.
+void take_boxes(std::vector<Aabb> boxes, const std::string& place, BodyTable& table);
+
 /// Where the numbers of a column go.
 struct ColumnTarget {
   double* first = nullptr;   ///< null: the column is not used
@@ -69,6 +73,7 @@ class BodyTableBuilder {
   double scale_;
   std::string place_;
   std::vector<double> id_;
+  std::vector<double> corners_;  ///< six for each box
   BodyTable table_;
 };
 

@@ -12,6 +12,7 @@
 #include "sim_cuda/import/input_file.h"
 #include "sim_cuda/import/npy.h"
 #include "sim_cuda/import/outwards.h"
+#include "sim_cuda/import/ply_file.h"
 #include "sim_cuda/import/surface.h"
 #include "sim_cuda/scene/limits.h"
 
@@ -96,16 +97,13 @@ std::vector<Aabb> read_boxes(const std::string& file) {
 
 BodyTable read_box_table(const std::string& file) {
   BodyTable table;
-  table.boxes = read_boxes(file);
-  for (std::size_t k = 0; k < table.boxes.size(); ++k) {
-    const Vector3d min = table.boxes[k].min.cast<double>(), max = table.boxes[k].max.cast<double>();
-    if (!(std::max(min.cwiseAbs().maxCoeff(), max.cwiseAbs().maxCoeff()) <= limits::max_coordinate))
-      throw InputError(
-          fmt::format("{}: box {} is beyond {:g} m of the origin", file, k, limits::max_coordinate));
-    table.position.push_back((min + max) / 2);
-    table.radius.push_back(std::clamp((max - min).minCoeff() / 2, limits::min_radius, limits::max_radius));
-  }
+  take_boxes(read_boxes(file), file, table);
   return table;
+}
+
+bool is_box_source(const std::string& file) {
+  if (is_mesh_file(file)) return format_of(file) != FileFormat::ply || ply_has_faces(file);
+  return format_of(file) == FileFormat::npy && is_box_file(file);
 }
 
 bool is_box_file(const std::string& name) {

@@ -18,5 +18,7 @@ std::vector<Aabb> read_boxes(const std::string& file);
 BodyTable read_box_table(const std::string& file);
 /// Whether a NumPy file has the shape of boxes: (n, 6) with min <= max in each row, or (n, 2, 3).
 bool is_box_file(const std::string& file);
+/// Whether read_boxes() can read it: a mesh, or an array of boxes.
+bool is_box_source(const std::string& file);
 
 }  // namespace collidoscope

@@ -38,7 +38,13 @@ constexpr BodyQuantityInfo quantities[quantity_count] = {
     {"qw", " quatw orientationw ", "", -1e9, 1e9},
     {"qx", " quatx orientationx ", "", -1e9, 1e9},
     {"qy", " quaty orientationy ", "", -1e9, 1e9},
-    {"qz", " quatz orientationz ", "", -1e9, 1e9}};
+    {"qz", " quatz orientationz ", "", -1e9, 1e9},
+    {"min_x", " minx xmin lowx xlow xlo ", "m", -limits::max_coordinate, limits::max_coordinate},
+    {"min_y", " miny ymin lowy ylow ylo ", "m", -limits::max_coordinate, limits::max_coordinate},
+    {"min_z", " minz zmin lowz zlow zlo ", "m", -limits::max_coordinate, limits::max_coordinate},
+    {"max_x", " maxx xmax highx xhigh xhi ", "m", -limits::max_coordinate, limits::max_coordinate},
+    {"max_y", " maxy ymax highy yhigh yhi ", "m", -limits::max_coordinate, limits::max_coordinate},
+    {"max_z", " maxz zmax highz zhigh zhi ", "m", -limits::max_coordinate, limits::max_coordinate}};
 
 std::string body_quantity_names() {
   std::vector<std::string_view> names;
@@ -162,6 +168,16 @@ ColumnChoice choose_columns(const ColumnMap& map, std::span<const std::string> n
                                      info_of(quantity).name, columns_text(names, count),
                                      info_of(quantity).name));
   };
+  const std::initializer_list<BodyQuantity> corners{min_x, min_y, min_z, max_x, max_y, max_z};
+  if (std::ranges::any_of(corners, [&](BodyQuantity corner) { return choice.has(corner); })) {
+    require(corners);
+    for (std::size_t k = 0; k < quantity_count; ++k)
+      if (const auto quantity = static_cast<BodyQuantity>(k);
+          choice.has(quantity) && quantity != id && quantity < min_x)
+        throw InputError(fmt::format("{}: columns of boxes and of {}; leave one out with --columns {}=none",
+                                     place, info_of(quantity).name, info_of(quantity).name));
+    return choice;
+  }
   require({x, y});
   if (choice.has(qw) || choice.has(qx) || choice.has(qy) || choice.has(qz)) require({qw, qx, qy, qz});
   if (choice.has(radius)) choice[diameter].reset();

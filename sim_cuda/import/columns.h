@@ -12,9 +12,33 @@
 
 namespace collidoscope {
 
-/// A number of a body. qw, qx, qy, qz: orientation.
-enum class BodyQuantity { id, x, y, z, radius, diameter, mass, vx, vy, vz, wx, wy, wz, qw, qx, qy, qz };
-inline constexpr std::size_t quantity_count = 17;
+/// A number of a body. qw, qx, qy, qz: orientation. min_x to max_z: corners of a box, instead of a body.
+enum class BodyQuantity {
+  id,
+  x,
+  y,
+  z,
+  radius,
+  diameter,
+  mass,
+  vx,
+  vy,
+  vz,
+  wx,
+  wy,
+  wz,
+  qw,
+  qx,
+  qy,
+  qz,
+  min_x,
+  min_y,
+  min_z,
+  max_x,
+  max_y,
+  max_z
+};
+inline constexpr std::size_t quantity_count = 23;
 
 struct BodyQuantityInfo {
   std::string_view name;  ///< in --columns
@@ -43,7 +67,8 @@ struct ColumnChoice {
 
 /// Chooses the columns. `names`: those in the file, or empty; columns without names are x, y, z; or x, y, z,
 /// radius; or x, y, z, radius, vx, vy, vz, by their number. `count`: number of columns. x and y are required;
-/// z is 0 without a column. `place` begins the lines of errors. Throws InputError.
+/// z is 0 without a column. Or all corners of boxes, and no position. `place` begins the lines of errors.
+/// Throws InputError.
 ColumnChoice choose_columns(const ColumnMap& map, std::span<const std::string> names, std::size_t count,
                             const std::string& place);
 

@@ -60,18 +60,23 @@ void append_optional(const BodyFile& file, const std::vector<Value>& values, std
 
 void read_body_file(const std::string& directory, BodyFile& file) {
   const std::string name = contained_file(directory, file.path);
-  if (file.boxes) {
+  if (file.boxes && file.columns.empty() && is_box_source(name)) {
+    if (file.scale != 1 || file.frame != 0)
+      throw InputError(name + ": boxes without columns, expected no scale and no frame");
     file.table = std::make_shared<const BodyTable>(read_box_table(name));
-    if (!file.tree.empty())
-      file.given_tree = std::make_shared<const GivenTree>(
-          read_tree(contained_file(directory, file.tree), file.table->boxes));
-    return;
+  } else {
+    TableOptions options;
+    options.columns = parse_column_map(file.columns, name + ": columns");
+    options.scale = file.scale;
+    options.frame = file.frame;
+    file.table = std::make_shared<const BodyTable>(read_body_table(name, format_of(name), options));
+    if (file.boxes && file.table->boxes.empty())
+      throw InputError(name + ": no columns of boxes, expected min_x, min_y, min_z, max_x, max_y, max_z");
+    file.boxes = !file.table->boxes.empty();
   }
-  TableOptions options;
-  options.columns = parse_column_map(file.columns, name + ": columns");
-  options.scale = file.scale;
-  options.frame = file.frame;
-  file.table = std::make_shared<const BodyTable>(read_body_table(name, format_of(name), options));
+  if (!file.tree.empty() && file.boxes)
+    file.given_tree =
+        std::make_shared<const GivenTree>(read_tree(contained_file(directory, file.tree), file.table->boxes));
 }
 
 void append_body_file(const BodyFile& file, double density, InitialBodies& all) {

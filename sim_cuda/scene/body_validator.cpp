@@ -153,8 +153,7 @@ void BodyValidator::check_body_files() {
     fields_.check_material(path, file.material);
     if (!file.tree.empty() && !file.boxes) fields_.fault(path.at("tree"), "must not be given without boxes");
     if (file.boxes) {
-      if (!file.columns.empty() || file.radius || file.scale != 1 || file.frame != 0)
-        fields_.fault(path, "must not have columns, scale, radius or frame, since it has boxes");
+      if (file.radius) fields_.fault(path.at("radius"), "must not be given, since the file has boxes");
       if (scene_.body_files.size() + scene_.bodies.size() + scene_.extra_bodies.size() +
               scene_.generators.size() >
           1)

@@ -55,7 +55,8 @@ void import_table(FileFormat format, const ImportOptions& options, Scene& scene)
   const auto note = [&](const std::string& text) {
     scene.warnings.push_back(fmt::format("{}: {}", scene.file, text));
   };
-  note(fmt::format("{}, {} bodies{}", description_of(format), table.size(),
+  note(fmt::format("{}, {} {}{}", description_of(format), table.size(),
+                   bodies.boxes ? "boxes, which are inspected, not simulated" : "bodies",
                    table.frames > 1 ? fmt::format(", frame {} of {}", options.frame, table.frames) : ""));
   if (table.radius.empty()) {
     bodies.radius = options.radius ? *options.radius : usual_radius(table.position);

@@ -107,20 +107,22 @@ inline constexpr auto body_file_fields = std::tuple{
         .key = "path",
         .help = "path of a NPY, NPZ, CSV, XYZ, LAMMPS or PLY file from the scene file's folder, and in it",
         .fallback = "required"},
-    Field<&BodyFile::columns>{.key = "columns",
-                              .help = "columns of quantities, by name or number from 1, or none: "
-                                      "`x=px,radius=4,vx=none`; quantities: id, x, y, z, "
-                                      "radius, diameter, mass, vx, vy, vz, wx, wy, wz, qw, qx, qy, qz",
-                              .fallback = "by their names in the file"},
+    Field<&BodyFile::columns>{
+        .key = "columns",
+        .help = "columns of quantities, by name or number from 1, or none: "
+                "`x=px,radius=4,vx=none`; quantities: id, x, y, z, "
+                "radius, diameter, mass, vx, vy, vz, wx, wy, wz, qw, qx, qy, qz; or of boxes: "
+                "min_x, min_y, min_z, max_x, max_y, max_z",
+        .fallback = "by their names in the file"},
     detail::number<&BodyFile::scale>("scale", "length of the file's unit", "m", 1e-15, 1e15),
     detail::number<&BodyFile::radius>("radius", "radius of all its bodies; only if the file has no radii",
                                       "m", limits::min_radius, limits::max_radius, "radii of the file"),
     detail::number<&BodyFile::frame>("frame", "frame of a file with several, from 0", "", 0, 1e9),
     Field<&BodyFile::boxes>{
         .key = "boxes",
-        .help = "boxes to inspect without dynamics: a NPY array of shape (n, 6) or (n, 2, 3), "
-                "or the triangles of an OBJ, STL or PLY mesh. Such a scene has no other "
-                "bodies"},
+        .help =
+            "boxes to inspect without dynamics: a NPY array of shape (n, 6) or (n, 2, 3), the triangles of "
+            "an OBJ, STL or PLY mesh, or a table with columns of boxes. Such a scene has no other bodies"},
     Field<&BodyFile::tree>{.key = "tree",
                            .help = "boxes only: path of a tree over them, a NPY array of shape (m, 8), as "
                                    "`bvh --tree`",
