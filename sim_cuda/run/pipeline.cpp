@@ -104,6 +104,7 @@ class TypedPipeline final : public Pipeline {
   // ---- set-up and access ----
 
   void reserve(Capacity capacity) override {
+    if (has_given_boxes_) capacity.contacts = 0;  // boxes have none
     pairs_.reserve(body_count_, capacity.pairs);
     broad_phase_->reserve_pairs(capacity.pairs);
     contacts_.reserve(body_count_, capacity.contacts);
