@@ -6,10 +6,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "sim_cuda/core/error.h"
 #include "sim_cuda/core/executor_options.h"
+#include "sim_cuda/plugin/include/collidoscope/broad_phase.h"
+#include "sim_cuda/plugin/library.h"
+#include "sim_cuda/scene/broad_phase_methods.h"
 #include "tests/npy_file.h"
 #include "tests/random.h"
 #include "tests/run_program.h"
@@ -277,6 +282,27 @@ TEST_F(Plugins, AreNeverLoadedByFiles) {
                          << "\"}}]}";
   const Outcome changed = run({"--changes", changes});
   EXPECT_EQ(changed.status, 2) << changed.err;
+}
+
+/// In a process of its own, which ends with 0 if all is as expected: the methods of the tests stay the same.
+TEST_F(Plugins, ThatChangedAreLoadedAgain) {
+  const std::string library = build_with("NONE"), path = full_plugin_path(library);
+  const std::string tested = file_identity(path);
+  const auto exit_status = [&] {
+    const auto has_tree = [] { return find_broad_phase("test_plugin")->plugin->tree != nullptr; };
+    if (load_plugin(path, tested, false) != "test_plugin" || has_tree()) return 1;
+    std::filesystem::remove(library);
+    build("tests/plugins/plugin.c", "NONE", {"-DFAULT=TREE"});
+    try {
+      load_plugin(path, tested, false);
+      return 2;
+    } catch (const InputError& error) {
+      if (std::string(error.what()).find("changed while it was tested") == std::string::npos) return 3;
+    }
+    if (load_plugin(path, file_identity(path), false) != "test_plugin" || !has_tree()) return 4;
+    return std::ranges::count(broad_phase_names(), "test_plugin") == 1 ? 0 : 5;
+  };
+  EXPECT_EXIT(std::exit(exit_status()), testing::ExitedWithCode(0), "");
 }
 
 /// The CUDA example, which the build of the tests makes out of tree if there is nvcc.

@@ -161,7 +161,7 @@ void App::follow_plugin() {
            write_file_atomically(loaded->snapshot, bytes);
            loaded->tests = validation.tests.size();
            loaded->faults = validation.faults().size();
-           loaded->name = load_plugin(path, loaded->faults > 0);
+           loaded->name = load_plugin(path, validation.identity, loaded->faults > 0);
          },
          [this, loaded] {
            workspace_.settings.run.broad_phase = loaded->name;

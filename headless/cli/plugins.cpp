@@ -27,7 +27,7 @@ void load(std::string& method, const char* flag, int gpu) try {
   const std::vector<std::string> faults = validation.faults();
   for (std::size_t k = 0; k < std::min(faults.size(), most_lines); ++k)
     fmt::print(stderr, "{}: {}\n", validation.path, faults[k]);
-  method = load_plugin(validation.path, !faults.empty());
+  method = load_plugin(validation.path, validation.identity, !faults.empty());
   if (faults.empty())
     fmt::print(stderr, "note: {}: broad phase {}, {} tests passed\n", validation.path, method,
                validation.tests.size());

@@ -23,7 +23,7 @@ constexpr const char* entry_point = "collidoscope_broad_phase_v1";
 struct LoadedLibrary {
   std::string path, what;
   const collidoscope_broad_phase* methods;
-  struct stat file;
+  std::string identity;
 };
 struct LoadedLibraries {
   std::mutex mutex;
@@ -32,11 +32,6 @@ struct LoadedLibraries {
 LoadedLibraries& loaded_libraries() {
   static LoadedLibraries libraries;
   return libraries;
-}
-
-bool is_same_file(const struct stat& a, const struct stat& b) {
-  return a.st_dev == b.st_dev && a.st_ino == b.st_ino && a.st_size == b.st_size &&
-         a.st_mtim.tv_sec == b.st_mtim.tv_sec && a.st_mtim.tv_nsec == b.st_mtim.tv_nsec;
 }
 
 std::string text_of_loader() {
@@ -99,15 +94,22 @@ std::string full_plugin_path(const std::string& file) {
   return path.string();
 }
 
-std::string load_plugin(const std::string& path, bool has_wrong_pairs) {
-  LoadedLibraries& loaded = loaded_libraries();
-  const std::lock_guard lock(loaded.mutex);
+std::string file_identity(const std::string& path) {
   struct stat file {};
   if (stat(path.c_str(), &file) != 0) throw InputError(fmt::format("{}: {}", path, std::strerror(errno)));
+  return fmt::format("{}:{}:{}:{}.{:09}", file.st_dev, file.st_ino, file.st_size, file.st_mtim.tv_sec,
+                     file.st_mtim.tv_nsec);
+}
+
+std::string load_plugin(const std::string& path, const std::string& identity, bool has_wrong_pairs) {
+  LoadedLibraries& loaded = loaded_libraries();
+  const std::lock_guard lock(loaded.mutex);
+  if (file_identity(path) != identity)
+    throw InputError(path + ": changed while it was tested, expected a file that stays the same");
   bool again = false;
   for (const LoadedLibrary& each : loaded.all) {
     if (each.path != path) continue;
-    if (is_same_file(each.file, file)) return each.methods->name;
+    if (each.identity == identity) return each.methods->name;
     again = true;
   }
   void* library = open_library(path, again);
@@ -119,7 +121,7 @@ std::string load_plugin(const std::string& path, bool has_wrong_pairs) {
   const collidoscope_broad_phase* methods = entry();
   check_description(path, methods);
   const LoadedLibrary& added =
-      loaded.all.emplace_back(LoadedLibrary{path, description_line(methods->description), methods, file});
+      loaded.all.emplace_back(LoadedLibrary{path, description_line(methods->description), methods, identity});
   add_broad_phase({.name = methods->name,
                    .what = added.what,
                    .traversal = "plug-in",

@@ -12,6 +12,7 @@
 #include <cstring>
 
 #include "sim_cuda/core/error.h"
+#include "sim_cuda/plugin/library.h"
 #include "sim_cuda/plugin/validation_child.h"
 
 extern char** environ;
@@ -133,6 +134,7 @@ PluginValidation validate_plugin(const std::string& path, const ValidationOption
   using Clock = std::chrono::steady_clock;
   PluginValidation validation;
   validation.path = path;
+  validation.identity = file_identity(path);
   ValidationChild child(path, options);
   AnswerReader answers(validation);
   Clock::time_point last = Clock::now();

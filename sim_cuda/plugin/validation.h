@@ -20,6 +20,7 @@ struct PluginTest {
 
 struct PluginValidation {
   std::string path, name;  ///< of the library and of its broad phase
+  std::string identity;    ///< file_identity() before the tests
   std::vector<PluginTest> tests;
   std::string ended;  ///< why the process ended before all tests, such as "crashed with ..."; else empty
 

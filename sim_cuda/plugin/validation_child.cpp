@@ -208,7 +208,7 @@ std::optional<int> run_validation_child(std::span<const std::string> arguments) 
   options.gpu = std::atoi(arguments[2].c_str());
   options.cpu_threads = 2;
   try {
-    options.broad_phase = load_plugin(arguments[1], false);
+    options.broad_phase = load_plugin(arguments[1], file_identity(arguments[1]), false);
   } catch (const InputError& error) {
     answer("refused", error.what());
     return 0;
