@@ -240,6 +240,13 @@ bool as_recorded(World& world, const ChangeReplay& replay, const std::string& fi
   return false;
 }
 
+/// False if a plug-in had wrong pairs; prints them.
+bool has_right_pairs(const RunReport& report) {
+  if (!report.pair_check || !report.pair_check->is_wrong()) return true;
+  fmt::print(stderr, "broad phase {}: wrong pairs: {}\n", report.broad_phase, describe(*report.pair_check));
+  return false;
+}
+
 }  // namespace
 
 int run_command(const CommandLine& line) {
@@ -317,10 +324,8 @@ int run_command(const CommandLine& line) {
                    .c_str(),
                stderr);
   }
-  const bool has_wrong_pairs = report.pair_check && report.pair_check->is_wrong();
-  if (has_wrong_pairs)
-    fmt::print(stderr, "broad phase {}: wrong pairs: {}\n", report.broad_phase, describe(*report.pair_check));
-  const bool good = !stepped.failure && !has_wrong_pairs && as_recorded(world, replay, options.changes);
+  const bool good =
+      !stepped.failure && has_right_pairs(report) && as_recorded(world, replay, options.changes);
   if (not_printed) std::rethrow_exception(not_printed);
   return good ? 0 : 1;
 }
@@ -377,7 +382,7 @@ int capture_command(CommandLine line) {
     json.commit();
   }
   print("\n" + to_text(report));
-  return status;
+  return has_right_pairs(report) ? status : 1;
 }
 
 }  // namespace collidoscope

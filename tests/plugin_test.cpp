@@ -171,6 +171,16 @@ INSTANTIATE_TEST_SUITE_P(
                     WrongPairs{"ABSURD", "more pairs than a list can have", "absurd_counts"}),
     [](const auto& test) { return std::string(test.param.fault); });
 
+TEST_F(Plugins, WithMissingPairsFailACapture) {
+  const Outcome outcome =
+      run_headless({"capture", "box_collider", "--bodies", "300", "--variant", "scaled", "--states", "1",
+                    "--size", "160x100", "--executor", "cpu", "--broad-phase", build_with("MISSING"), "--out",
+                    folder_ / "pictures"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("broad phase test_plugin: wrong pairs: "));
+  EXPECT_THAT(outcome.out, HasSubstr("WRONG PAIRS"));
+}
+
 TEST_F(Plugins, MissingPairsAreListedWithTheirIds) {
   const json found = report({"--broad-phase", build_with("MISSING"), "--steps", "0"});
   const json& check = found["pair_check"];
