@@ -72,6 +72,7 @@ void World::restore(const RunState& other, const BodyIdMap& ids) { run_->restore
 void World::mark() { run_->mark(); }
 bool World::rewind() { return run_->rewind(); }
 std::uint64_t World::state_hash() { return run_->pipeline().state_hash(); }
+StateHashes World::hashes() { return run_->pipeline().hashes(); }
 BodyStates World::bodies() { return run_->pipeline().bodies(); }
 
 void World::detect() { run_->detect(); }

@@ -20,6 +20,7 @@
 
 #include "sim_cuda/broad_phase/pair_check.h"
 #include "sim_cuda/core/stage_times.h"
+#include "sim_cuda/core/state_hashes.h"
 #include "sim_cuda/measure/body_report.h"
 #include "sim_cuda/measure/step_stats.h"
 #include "sim_cuda/run/body_states.h"
@@ -97,6 +98,8 @@ class World {
   /// 64-bit hash of the state. Equal exactly if all bodies are bitwise equal (-0 = 0; all NaN are equal),
   /// apart from hash collisions.
   std::uint64_t state_hash();
+  /// Also a hash of all data that later states depend on: warm-start data, sleep timers, impulse sums.
+  StateHashes hashes();
   BodyStates bodies();
 
   /// Finds boxes, tree, pairs and contacts of the current state without moving bodies, so that drawn

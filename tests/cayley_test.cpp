@@ -54,9 +54,9 @@ template <class Turn>
 double growth_of_momentum(const Turn& turn) {
   const Vector3f inertia(0.1f, 0.2f, 0.3f);
   Quaternionf q(1, 0, 0, 0);
-  Vector3f w(0.01f, 1, 0.01f);
+  Vector3d w(0.01f, 1, 0.01f);
   const auto momentum = [&] {
-    const Vector3d own = q.cast<double>().conjugate() * w.cast<double>();
+    const Vector3d own = q.cast<double>().conjugate() * w;
     return own.cwiseProduct(inertia.cast<double>()).norm();
   };
   const double before = momentum();

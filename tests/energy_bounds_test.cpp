@@ -128,8 +128,9 @@ Scene without_overlap(Uniform& uniform) {
   return one_of(uniform, {any_pile, heavy_on_pile, rough_pile})(uniform);
 }
 TEST_P(EnergyBounds, PushWorkWithoutInitialOverlap) {
-  // A ball that falls on a dense pile pushes bodies into others that are no contacts of the step. So 3 % of
-  // 1,000 runs have more, at most 11 %; jacobi_split, which converges more slowly, at most 15 %.
+  // One iteration does not pass on the load of a heavy ball that falls on a pile, so bodies overlap, and are
+  // pushed apart later. So 3 % of 1,000 runs have more, at most 11 %; jacobi_split, which converges more
+  // slowly, at most 15 %. Other numbers of iterations: solver/README.md.
   check(
       10, 4, 0.01, without_overlap,
       {.value = &EnergyCourse::push_work, .solvers = {Solver::soft_step}, .share_above = 0.05, .most = 0.2});
@@ -147,6 +148,30 @@ TEST_P(EnergyBounds, PushWorkOfImpulseWithoutInitialOverlap) {
          .rates = {1000},
          .share_above = 0.01,
          .most = 0.1});
+}
+
+/// In float, their ways are lost in the rounding of their positions.
+TEST_P(EnergyBounds, RestingBodiesGainNoEnergyByRounding) {
+  for (const int iterations : {1, 4})
+    for (const Solver solver : {Solver::soft_step, Solver::jacobi_split})
+      for (const Precision precision : {Precision::f32, Precision::f64}) {
+        Scene scene = project_scene("hard/rest");
+        scene.physics.solver = solver;
+        scene.physics.precision = precision;
+        scene.physics.iterations = iterations;
+        World world(scene, options());
+        world.step(500);
+        const StepStats before = world.measure();
+        world.step(500);
+        const StepStats now = world.measure();
+        const auto energy = [](const StepStats& stats) { return stats.energy() - stats.push_work; };
+        EXPECT_LE(energy(now), energy(before) + 0.002)  // J, of 16 kJ
+            << name_of(solver_names, solver) << ' ' << iterations;
+        // With jacobi_split in float, bodies sink by roundings, and are pushed up again.
+        if (solver == Solver::soft_step) {
+          EXPECT_NEAR(now.push_work, before.push_work, 0.002) << iterations;
+        }
+      }
 }
 
 // ---- kinematic bodies ----
@@ -205,15 +230,16 @@ TEST_P(EnergyBounds, FreeRotation) {
         if (step > 0) world.step();
         const BodyStates states = world.bodies();
         for (std::size_t i = 0; i < lowest.size(); ++i) {
-          const Vector3d w = states.orientation[i].normalized().conjugate() * states.angular_velocity[i];
+          Vector3d w = states.angular_velocity[i];
+          if (precision == Precision::f32) w = w.cast<float>().cast<double>();
+          w = states.orientation[i].normalized().conjugate() * w;
           const double energy = w.dot(scene.bodies[i].inertia->cwiseProduct(w)) / 2;
           lowest[i] = std::min(lowest[i], energy);
           rise[i] = std::max(rise[i], energy / lowest[i] - 1);
         }
       }
       for (std::size_t i = 0; i < rise.size(); ++i)
-        // Float: the rounding of the stored angular velocity over 1,000 steps of 4 substeps is a random walk.
-        EXPECT_LE(rise[i], precision == Precision::f32 ? 2e-5 : 1e-9) << "body " << i << '\n'
+        EXPECT_LE(rise[i], precision == Precision::f32 ? 5e-6 : 1e-9) << "body " << i << '\n'
                                                                       << write_scene(scene);
     }
 }

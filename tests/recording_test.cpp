@@ -10,7 +10,9 @@
 #include "headless/change_replay.h"
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/fingerprint.h"
+#include "sim_cuda/recording/recorded_run.h"
 #include "sim_cuda/recording/recorder.h"
+#include "sim_cuda/recording/recording_chunks.h"
 #include "sim_cuda/recording/replay.h"
 #include "sim_cuda/run/run_state.h"
 #include "tests/executors.h"
@@ -136,7 +138,7 @@ TEST(Recording, ADifferenceIsFoundInTheFirstStateThatDiffers) {
       return event.kind == RecordingReader::Kind::hashes;
     });
     ASSERT_EQ(hashes->step, 0);
-    const std::size_t third = hashes->begin + 2 * sizeof(RecordedHash) + part * 8;
+    const std::size_t third = hashes->begin + 2 * sizeof(StateHashes) + part * 8;
     changed[third] = static_cast<char>(changed[third] ^ 1);
     Fingerprint fingerprint;
     fingerprint.add(changed.data() + hashes->begin - 8, hashes->bytes + 8);
@@ -196,6 +198,42 @@ TEST(Recording, DamageIsReportedWithItsPlace) {
   EXPECT_THAT(refusal(folder / "other"), HasSubstr("byte 28: version 2 of the format, expected 1"));
 }
 
+/// Files of version 1 of the chunk of hashes contain full_hash() of the state on the host.
+TEST(Recording, HashesOfVersion1AreVerified) {
+  const TemporaryFolder folder;
+  World world(recorded_scene(), on_cpu());
+  {
+    RecordingWriter writer(folder / "run");
+    write_keyframe_chunk(writer, snapshot_of(world));
+    std::vector<StateHashes> hashes;
+    for (int k = 0; k < 6; ++k) {
+      world.step();
+      hashes.push_back({world.state_hash(), k % 2 == 0 ? full_hash(world.state()) : 0});
+    }
+    write_hashes_chunk(writer, 0, hashes);
+  }
+  std::string bytes = text_of(folder / "run");
+  const auto begin = RecordingReader(folder / "run").events().back().begin - 8 - 24;
+  const auto write_version = [&](std::uint32_t version) {
+    std::memcpy(bytes.data() + begin + 4, &version, sizeof version);
+    Fingerprint fingerprint;
+    fingerprint.add(bytes.data() + begin, 16);
+    const std::uint64_t check = fingerprint.value();
+    std::memcpy(bytes.data() + begin + 16, &check, sizeof check);
+    write(folder / "run", bytes);
+  };
+  EXPECT_TRUE(replayed(folder / "run", on_cpu()).difference) << "they are no hashes of version 2";
+  write_version(1);
+  const ReplayResult result = replayed(folder / "run", on_cpu());
+  EXPECT_EQ(result.difference.value_or("none"), "none");
+  EXPECT_EQ(result.states, 6);
+  RecordedRun run = read_run(RecordingReader(folder / "run"));
+  EXPECT_EQ(run.timeline.last(), 6);
+  EXPECT_EQ(run.timeline.world_at(5, on_cpu())->steps(), 5);
+  write_version(3);
+  EXPECT_THAT(refusal(folder / "run"), HasSubstr("unknown version, expected 1 or 2"));
+}
+
 TEST(Recording, UnknownChunksAreSkipped) {
   const TemporaryFolder folder;
   World world(recorded_scene(), on_cpu());
@@ -213,7 +251,7 @@ TEST(Recording, UnknownChunksAreSkipped) {
   keyframe();
   writer.write(chunk_types::shapes, std::string(1001, 's'));
   world.step();
-  const RecordedHash hash{world.state_hash(), 0};
+  const StateHashes hash{world.state_hash(), 0};
   std::string payload(24, '\0');
   std::memcpy(payload.data() + 8, &hash, sizeof hash);
   writer.write(chunk_types::hashes, payload);

@@ -253,6 +253,30 @@ TEST_P(Timelines, TellOfAStateThatDiffers) {
   }
 }
 
+/// Equal bodies, but other warm-start data.
+TEST_P(Timelines, TellOfWarmStartDataThatDiffer) {
+  World world(tumbling_scene(), options());
+  Timeline timeline;
+  timeline.begin(world);
+  world.step(30);
+  RunState state = world.state();
+  ASSERT_FALSE(state.warm_start.contacts.empty());
+  timeline.begin(world);
+  world.step();
+  const StateHashes right = world.hashes();
+  state = world.state();
+  state.warm_start.contacts[0].impulse += 1;
+  world.restore(state);
+  ASSERT_EQ(world.hashes().bodies, right.bodies);
+  timeline.record_step(world, 0.001);
+  try {
+    timeline.world_at(31, options());
+    ADD_FAILURE() << "not found";
+  } catch (const MachineError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(" with warm-start data, before "));
+  }
+}
+
 TEST(Timelines, GuardsStayAsTheyAreSet) {
   LiveWorld live(tumbling_scene(), on_cpu());
   for (int step = 1; step <= 20; ++step) live.step(true);

@@ -42,6 +42,7 @@ struct BodyBuffers {
         velocity(executor, "velocities"),
         orientation(executor, "orientations"),
         angular_velocity(executor, "angular velocities"),
+        angular_velocity_low(executor, "low parts of angular velocities"),
         radius(executor, "radii"),
         mass(executor, "masses"),
         inverse_mass(executor, "inverse masses"),
@@ -56,6 +57,7 @@ struct BodyBuffers {
   Buffer<PackedVector3<Real>> velocity;
   Buffer<Quaternion<Real>> orientation;
   Buffer<PackedVector3<Real>> angular_velocity;
+  Buffer<Vector3<float>> angular_velocity_low;  ///< rad/s (wide_spin.h); only in float, with unequal moments
   Buffer<Real> radius, mass, inverse_mass;
   Buffer<Vector3<Real>> inertia;
   Buffer<std::uint16_t> material;         ///< empty if all bodies have material 0

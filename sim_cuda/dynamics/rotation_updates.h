@@ -24,9 +24,6 @@
 // first_order. The paper's update. It conserves L, not E: a body with unequal moments drifts to
 // rotation about the axis of least inertia, and gains energy up to L^2 / 2 I of that axis.
 
-#include <bit>
-#include <cstdint>
-
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/sine_cosine.h"
 #include "sim_cuda/dynamics/cayley.h"
@@ -137,70 +134,12 @@ SIM_HD inline Quaterniond rotation_between(const Vector3d& l, const Vector3d& ne
   return q;
 }
 
-// ---- rounding of the angular velocity to float ----
-
-/// `w`, with each component rounded to one of the next two floats at random: the mean is exact. `axes`:
-/// source of the random bits.
-///
-/// Reason: at small h the change per step is smaller than the spacing of floats. Rounding to nearest would
-/// lose it in each step in the same way, and the energy would change by 1e-4 in 1000 steps.
-SIM_HD inline Vector3<float> rounded_at_random(const Vector3d& w, const Quaterniond& axes) {
-  constexpr std::uint64_t lost_bits = (std::uint64_t{1} << 29) - 1;  // of the mantissa of a double
-  std::uint64_t random = 0;
-  for (int k = 0; k < 4; ++k)
-    random = (random ^ std::bit_cast<std::uint64_t>(axes.coeffs()[k])) * 0x9e3779b97f4a7c15U;
-  Vector3<float> rounded;
-  for (int k = 0; k < 3; ++k) {
-    random = random * 6364136223846793005U + 1442695040888963407U;  // Knuth's generator
-    const std::uint64_t bits = std::bit_cast<std::uint64_t>(w[k]) + (random >> 35);
-    rounded[k] = static_cast<float>(std::bit_cast<double>(bits & ~lost_bits));
-  }
-  return rounded;
-}
-
-/// `w`, with each component at one of the three floats next to it, so that the kinetic energy of the
-/// rotation, J, is as close to `wanted` as possible. `axes`: principal axes to world.
-///
-/// For slender bodies that spin fast about their axis: rounding changes the small angular velocity across the
-/// axis, whose moment is large.
-SIM_HD inline Vector3<float> rounded_at_energy(const Vector3<float>& w, const Quaterniond& axes,
-                                               const Vector3d& inertia, double wanted) {
-  const Vector3d own = axes.conjugate() * Vector3d(w.cast<double>());
-  const Vector3d momentum =
-      axes * Vector3d(inertia.x() * own.x(), inertia.y() * own.y(), inertia.z() * own.z());
-  const double error = weighted_square(inertia, own) / 2 - wanted;
-  float choices[3][3];
-  double changes[3][3];
-  for (int k = 0; k < 3; ++k) {
-    const auto bits = std::bit_cast<std::uint32_t>(w[k]);
-    const bool is_zero = w[k] == 0;
-    choices[k][0] = w[k];
-    choices[k][1] = std::bit_cast<float>(is_zero ? bits : bits + 1);
-    choices[k][2] = std::bit_cast<float>(is_zero ? bits : bits - 1);
-    for (int choice = 0; choice < 3; ++choice)
-      changes[k][choice] =
-          momentum[k] * (static_cast<double>(choices[k][choice]) - static_cast<double>(w[k]));
-  }
-  const auto magnitude = [](double value) { return value < 0 ? -value : value; };
-  double least = magnitude(error);
-  Vector3<float> best = w;
-  for (int x = 0; x < 3; ++x)
-    for (int y = 0; y < 3; ++y)
-      for (int z = 0; z < 3; ++z) {
-        const double left = magnitude(error + changes[0][x] + changes[1][y] + changes[2][z]);
-        if (!(left < least)) continue;
-        least = left;
-        best = Vector3<float>(choices[0][x], choices[1][y], choices[2][z]);
-      }
-  return best;
-}
-
 }  // namespace detail
 
-/// Updates q (principal axes to world) and w (rad/s, world axes). `Parts`: RotationParts; tests pass wrong
-/// fractions. Returns whether w changed.
+/// Updates q (principal axes to world) and w (rad/s, world axes; see wide_spin.h). `Parts`: RotationParts;
+/// tests pass wrong fractions. Returns whether w changed.
 template <class Real, class Parts>
-SIM_HD bool rotate_lie_group(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h,
+SIM_HD bool rotate_lie_group(Quaternion<Real>& q, Vector3d& w, const Vector3<Real>& inertia, Real h,
                              const Parts& parts) {
   using std::sqrt;
   Quaterniond axes = q.template cast<double>();
@@ -208,10 +147,10 @@ SIM_HD bool rotate_lie_group(Quaternion<Real>& q, Vector3<Real>& w, const Vector
   const Vector3d moments = inertia.template cast<double>();
   const Vector3d inverse(1 / moments.x(), 1 / moments.y(), 1 / moments.z());
   const int s = detail::axis_of_top(inverse);
-  const Vector3d w_body = axes.conjugate() * Vector3d(w.template cast<double>());
+  const Vector3d w_body = axes.conjugate() * w;
   Vector3d l = detail::with_axis_last(
       Vector3d(moments.x() * w_body.x(), moments.y() * w_body.y(), moments.z() * w_body.z()), s);
-  const double momentum = sqrt(l.dot(l)), start_energy = detail::weighted_square(moments, w_body) / 2;
+  const double momentum = sqrt(l.dot(l));
   if (momentum == 0) return false;
   l /= momentum;
   const Vector3d a = detail::with_axis_last(inverse, s);
@@ -253,12 +192,7 @@ SIM_HD bool rotate_lie_group(Quaternion<Real>& q, Vector3<Real>& w, const Vector
   l += (1 - l.dot(l)) / 2 * l;  // as normalise_evenly()
   const Vector3d spin = detail::with_axis_restored(
       Vector3d(momentum * (a.x() * l.x()), momentum * (a.y() * l.y()), momentum * (a.z() * l.z())), s);
-  if constexpr (sizeof(Real) == 4) {
-    w = detail::rounded_at_random(axes * spin, axes);
-    if (slender_axis(moments) >= 0) w = detail::rounded_at_energy(w, axes, moments, start_energy);
-  } else {
-    w = axes * spin;
-  }
+  w = axes * spin;
   return true;
 }
 
@@ -269,15 +203,17 @@ SIM_HD bool rotate_lie_group(Quaternion<Real>& q, Vector3<Real>& w, const Vector
 /// small moment there turns it into a large spin. From h w = sqrt(I / I across) on, it grows from step to
 /// step.
 template <class Real>
-SIM_HD bool rotate_first_order(Quaternion<Real>& q, Vector3<Real>& w, const Vector3<Real>& inertia, Real h) {
+SIM_HD bool rotate_first_order(Quaternion<Real>& q, Vector3d& w, const Vector3<Real>& inertia, Real h) {
   if (slender_axis(inertia) >= 0) return rotate_lie_group(q, w, inertia, h, RotationParts{});
-  const Vector3<Real> w_body = q.conjugate() * w;
+  const Vector3<Real> start = w.cast<Real>(), w_body = q.conjugate() * start;
   const Vector3<Real> momentum =
       q * Vector3<Real>(inertia.x() * w_body.x(), inertia.y() * w_body.y(), inertia.z() * w_body.z());
-  q = cayley_rotation(w, h) * q;
+  q = cayley_rotation(start, h) * q;
   normalise_evenly(q);
   const Vector3<Real> l_body = q.conjugate() * momentum;
-  w = q * Vector3<Real>(l_body.x() / inertia.x(), l_body.y() / inertia.y(), l_body.z() / inertia.z());
+  const Vector3<Real> end =
+      q * Vector3<Real>(l_body.x() / inertia.x(), l_body.y() / inertia.y(), l_body.z() / inertia.z());
+  w = end.template cast<double>();
   return true;
 }
 

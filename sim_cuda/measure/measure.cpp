@@ -5,6 +5,7 @@
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/core/reduce.h"
+#include "sim_cuda/dynamics/wide_spin.h"
 #include "sim_cuda/narrow_phase/sphere_sphere.h"
 
 namespace collidoscope {
@@ -118,12 +119,27 @@ struct MeasureImpulse {
   }
 };
 
-SIM_HD inline HashSum combine(HashSum a, HashSum b) { return {a.value + b.value}; }
+SIM_HD inline HashSums combine(HashSums a, HashSums b) { return {a.bodies + b.bodies, a.others + b.others}; }
 
 template <class Real>
-struct HashBody {
+struct HashState {
   BodyView<Real> bodies;
-  SIM_HD HashSum operator()(std::int64_t body) const {
+  const Vector3<float>* low;  ///< null: there are none
+  std::int64_t body_count;
+  HashedArrays others;
+  SIM_HD HashSums operator()(std::int64_t item) const {
+    if (item >= body_count) return {0, others.hash(item - body_count)};
+    const std::uint64_t h = of_body(item);
+    if constexpr (sizeof(Real) == sizeof(float)) {
+      if (low == nullptr) return {h, 0};
+      const Vector3d w = joined(bodies.angular_velocity[item], low[item]);
+      return {h, mix64(h ^ mix64(hash_bits(w.x()) ^ mix64(hash_bits(w.y()) ^ mix64(hash_bits(w.z())))))};
+    }
+    return {h, 0};
+  }
+
+ private:
+  SIM_HD std::uint64_t of_body(std::int64_t body) const {
     std::uint64_t h = mix64(static_cast<std::uint64_t>(body));
     const auto add = [&h](Real x) { h = mix64(h ^ hash_bits(x)); };
     const auto add_vector = [&](const Vector3<Real>& x) {
@@ -138,7 +154,7 @@ struct HashBody {
     add(q.z());
     add_vector(bodies.velocity[body]);
     add_vector(turns ? bodies.angular_velocity[body].load() : Vector3<Real>(0, 0, 0));
-    return {h};
+    return h;
   }
 };
 
@@ -203,12 +219,23 @@ void Measurer<Real>::measure(const MeasureSource<Real>& source, StepStats& stats
 
 template <class Real>
 std::uint64_t Measurer<Real>::state_hash(const BodyView<Real>& bodies, std::int64_t body_count) {
-  if (body_count == 0) return 0;
-  HashSum hash;
-  executor_.copy_to_host(
-      &hash, reduce<HashSum>(executor_, "hash", body_count, HashBody<Real>{bodies}, hashes_.data()),
-      sizeof hash);
-  return hash.value;
+  return hashes(bodies, body_count, nullptr, {}).bodies;
+}
+
+template <class Real>
+StateHashes Measurer<Real>::hashes(const BodyView<Real>& bodies, std::int64_t body_count,
+                                   const Vector3<float>* low, const HashedArrays& others) {
+  const std::int64_t items = body_count + others.items();
+  if (items == 0) return {0, 1};
+  if (const std::size_t needed = reduce_scratch_size(items); hashes_.size() < needed)
+    hashes_.resize_discarding(needed);
+  HashSums sums;
+  executor_.copy_to_host(&sums,
+                         reduce<HashSums>(executor_, "hash", items,
+                                          HashState<Real>{bodies, low, body_count, others}, hashes_.data()),
+                         sizeof sums);
+  const std::uint64_t full = mix64(sums.bodies ^ mix64(sums.others));
+  return {sums.bodies, full != 0 ? full : 1};
 }
 
 void add(const JointSums& sums, std::int64_t count, StepStats& stats) {

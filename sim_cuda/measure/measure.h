@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/hashed_arrays.h"
+#include "sim_cuda/core/state_hashes.h"
 #include "sim_cuda/dynamics/attractor.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/measure/step_stats.h"
@@ -32,8 +34,8 @@ struct BodySums {
 struct Largest {
   double value;
 };
-struct HashSum {
-  std::uint64_t value;
+struct HashSums {
+  std::uint64_t bodies, others;
 };
 
 /// Data of a world to be measured, in the executor's memory.
@@ -58,7 +60,7 @@ struct MeasureSource {
 void add(const JointSums& sums, std::int64_t count, StepStats& stats);
 void add(const SleepSums& sums, StepStats& stats);
 
-/// Owns the scratch buffers of the sums; one per world. measure() and state_hash() wait for the device.
+/// Owns the scratch buffers of the sums; one per world. Its functions wait for the device.
 template <class Real>
 class Measurer {
  public:
@@ -70,12 +72,16 @@ class Measurer {
   /// Sum modulo 2^64 over the bodies of a hash of (id, x, q, v, w as bits), independent of the order of
   /// summation. Quantities that are not stored count as q = 1, w = 0. 0 without bodies.
   std::uint64_t state_hash(const BodyView<Real>& bodies, std::int64_t body_count);
+  /// Also hashes `others`. `low`: of the angular velocities (wide_spin.h); may be null. Allocates memory if
+  /// `others` has become longer.
+  StateHashes hashes(const BodyView<Real>& bodies, std::int64_t body_count, const Vector3<float>* low,
+                     const HashedArrays& others);
 
  private:
   Executor& executor_;
   Buffer<BodySums> sums_;
   Buffer<Largest> largest_;
-  Buffer<HashSum> hashes_;
+  Buffer<HashSums> hashes_;
 };
 
 }  // namespace collidoscope

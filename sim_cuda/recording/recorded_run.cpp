@@ -61,10 +61,11 @@ class RunWriter {
   }
   void write_hashes_up_to(std::int64_t state) {
     if (state == written_ + timeline_.first()) return;
-    std::vector<RecordedHash> hashes;
-    for (std::int64_t k = written_; k < state - timeline_.first(); ++k)
-      hashes.push_back({timeline_.hashes()[static_cast<std::size_t>(k)], 0});
-    write_hashes_chunk(writer_, written_ + timeline_.first(), hashes);
+    const std::span<const StateHashes> all(timeline_.hashes());
+    const std::int64_t end = state - timeline_.first();
+    write_hashes_chunk(
+        writer_, written_ + timeline_.first(),
+        all.subspan(static_cast<std::size_t>(written_), static_cast<std::size_t>(end - written_)));
     written_ = state - timeline_.first();
   }
   void write(const Change& change) {
@@ -105,7 +106,8 @@ class RunReader {
           break;
         case RecordingReader::Kind::hashes:
           require_last_state(event);
-          for (const RecordedHash& hash : event.hashes) run_.timeline.add_hash(hash.bodies);
+          for (const StateHashes& hashes : event.hashes)
+            run_.timeline.add_hashes({hashes.bodies, event.version == hashes_version ? hashes.full : 0});
           break;
       }
     return std::move(run_);

@@ -35,8 +35,7 @@ void Recorder::write_hashes() {
 }
 
 void Recorder::record_step(World& world) {
-  // On a GPU, copying the state of each step would take longer than the step.
-  hashes_.push_back({world.state_hash(), world.info().on_gpu ? 0 : full_hash(world.state())});
+  hashes_.push_back(world.hashes());
   if (world.steps() - keyframe_step_ >= min_keyframe_steps &&
       seconds_since(since_keyframe_) > 10 * keyframe_seconds_)
     return write_keyframe(world);

@@ -35,10 +35,10 @@ class Recorder {
   void write_hashes();
 
   RecordingWriter writer_;
-  std::vector<RecordedHash> hashes_;  ///< not written yet
-  std::int64_t first_ = 0;            ///< state before the first of `hashes_`
-  std::int64_t keyframe_step_ = 0;    ///< of the last keyframe
-  double keyframe_seconds_ = 0;       ///< that it took
+  std::vector<StateHashes> hashes_;  ///< not written yet
+  std::int64_t first_ = 0;           ///< state before the first of `hashes_`
+  std::int64_t keyframe_step_ = 0;   ///< of the last keyframe
+  double keyframe_seconds_ = 0;      ///< that it took
   Clock::time_point since_keyframe_, since_written_;
 };
 

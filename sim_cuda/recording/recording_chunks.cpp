@@ -37,7 +37,7 @@ void write_keyframe_chunk(RecordingWriter& writer, const Snapshot& snapshot) {
   });
 }
 
-void write_hashes_chunk(RecordingWriter& writer, std::int64_t first, std::span<const RecordedHash> hashes) {
+void write_hashes_chunk(RecordingWriter& writer, std::int64_t first, std::span<const StateHashes> hashes) {
   writer.write(chunk_types::hashes, [&](const RecordingWriter::Sink& sink) {
     sink(bytes_of_number(first));
     sink({reinterpret_cast<const char*>(hashes.data()), hashes.size_bytes()});

@@ -85,7 +85,7 @@ RecordingWriter::RecordingWriter(const std::string& file) : name_(file) {
 
 void RecordingWriter::write(const ChunkType& type, const std::function<void(const Sink&)>& write_payload) {
   // The length is written last, so that a chunk is complete or ends the file.
-  ChunkHeader header{type};
+  ChunkHeader header{type, type == chunk_types::hashes ? hashes_version : 1};
   header.bytes = unfinished;
   header.check = header.hash();
   seek(end_);
@@ -230,7 +230,11 @@ void RecordingReader::take(const Chunk& chunk) {
     event.kind = Kind::hashes;
   else if (chunk.type != chunk_types::end)
     return;
-  require(chunk.version == 1, "unknown version, expected 1");
+  if (event.kind == Kind::hashes)
+    require(chunk.version == 1 || chunk.version == hashes_version, "unknown version, expected 1 or 2");
+  else
+    require(chunk.version == 1, "unknown version, expected 1");
+  event.version = chunk.version;
   require(!ended_, "follows the chunk END");
   if (chunk.type == chunk_types::end) {
     ended_ = true;
@@ -246,8 +250,8 @@ void RecordingReader::take(const Chunk& chunk) {
   event.begin = chunk.payload() + prefix;
   event.bytes = chunk.bytes - prefix;
   if (event.kind == Kind::hashes) {
-    require(event.bytes % sizeof(RecordedHash) == 0, "its length is not that of a list of hashes");
-    event.hashes.resize(event.bytes / sizeof(RecordedHash));
+    require(event.bytes % sizeof(StateHashes) == 0, "its length is not that of a list of hashes");
+    event.hashes.resize(event.bytes / sizeof(StateHashes));
     read(event.begin, event.hashes.data(), event.bytes);
   }
   events_.push_back(std::move(event));

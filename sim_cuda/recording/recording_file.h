@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim_cuda/core/state_hashes.h"
 #include "sim_cuda/snapshot/snapshot.h"
 
 namespace collidoscope {
@@ -27,11 +28,9 @@ inline constexpr ChunkType shapes{'S', 'H', 'A', 'P'}, manifolds{'M', 'A', 'N', 
     pairs{'P', 'A', 'I', 'R'}, tree{'T', 'R', 'E', 'E'}, times{'T', 'I', 'M', 'E'};
 }  // namespace chunk_types
 
-/// Hashes of one state.
-struct RecordedHash {
-  std::uint64_t bodies = 0;  ///< World::state_hash()
-  std::uint64_t full = 0;    ///< full_hash(); 0: not recorded
-};
+/// Version of the chunk `hashes`. In version 1, StateHashes::full is full_hash() of the state on the host, or
+/// 0.
+inline constexpr std::uint32_t hashes_version = 2;
 
 /// Whether the file begins as a recording.
 bool is_recording(const std::string& file);
@@ -64,10 +63,11 @@ class RecordingReader {
   enum class Kind { keyframe, change, hashes };
   struct Event {
     Kind kind;
-    std::int64_t step;                 ///< of the keyframe, of the change, or before the first hash
-    std::uint64_t full_hash = 0;       ///< of a keyframe
-    std::vector<RecordedHash> hashes;  ///< of the states step + 1, step + 2, ...
-    std::uint64_t begin, bytes;        ///< of the rest of the payload in the file
+    std::int64_t step;                ///< of the keyframe, of the change, or before the first hash
+    std::uint64_t full_hash = 0;      ///< of a keyframe
+    std::uint32_t version = 1;        ///< of the chunk
+    std::vector<StateHashes> hashes;  ///< of the states step + 1, step + 2, ...
+    std::uint64_t begin, bytes;       ///< of the rest of the payload in the file
   };
 
   /// Reads all chunks except snapshots, and checks all hashes.

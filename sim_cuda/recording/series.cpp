@@ -52,7 +52,7 @@ RecordedRun run_of_frames(World& world, const std::vector<BodyTable>& frames) {
         run.timeline.begin(std::move(kept));
         continue;
       }
-      run.timeline.add_hash(kept.hash);
+      run.timeline.add_hashes(world.hashes());
       run.timeline.add({std::make_shared<const Timeline::Kept>(std::move(kept)), true});
     }
     world.restore(run.timeline.keyframes().front().kept->state.state());

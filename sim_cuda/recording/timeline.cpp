@@ -89,7 +89,7 @@ void Timeline::thin_out() {
 }
 
 void Timeline::record_step(World& world, double seconds) {
-  hashes_.push_back(world.state_hash());
+  hashes_.push_back(world.hashes());
   seconds_ += seconds;
   constexpr double most = 0.1;  // share of the time
   if (seconds_ >= std::max(interval_, cost_ / most)) add(keyframe_of(world, false));
@@ -155,16 +155,22 @@ std::unique_ptr<World> Timeline::world_at(std::int64_t step, const RunOptions& o
   return world;
 }
 
-std::uint64_t Timeline::hash_at(std::int64_t step) const {
-  return hashes_[static_cast<std::size_t>(step - first() - 1)];
+/// How the state of the world differs from the recorded one.
+std::optional<std::string> Timeline::difference(World& world) const {
+  const StateHashes& before = hashes_[static_cast<std::size_t>(world.steps() - first() - 1)];
+  const StateHashes now = world.hashes();
+  if (now.bodies != before.bodies)
+    return fmt::format("the hash {:016x}, before {:016x}", now.bodies, before.bodies);
+  if (before.full != 0 && now.full != before.full)
+    return fmt::format("the hash {:016x} with warm-start data, before {:016x}", now.full, before.full);
+  return std::nullopt;
 }
 
-bool Timeline::agrees(World& world) const { return hash_at(world.steps()) == world.state_hash(); }
+bool Timeline::agrees(World& world) const { return !difference(world); }
 
 void Timeline::check(World& world) const {
-  if (!agrees(world))
-    throw MachineError(fmt::format("state {} reached again has the hash {:016x}, before {:016x}",
-                                   world.steps(), world.state_hash(), hash_at(world.steps())));
+  if (const auto found = difference(world))
+    throw MachineError(fmt::format("state {} reached again has {}", world.steps(), *found));
 }
 
 }  // namespace collidoscope

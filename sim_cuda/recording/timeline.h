@@ -44,8 +44,8 @@ class Timeline {
   void record_change(World& world);
   /// Adds a keyframe of the last state, instead of one there.
   void add(Keyframe keyframe);
-  /// Adds the hash of the next state.
-  void add_hash(std::uint64_t hash) { hashes_.push_back(hash); }
+  /// Adds the hashes of the next state.
+  void add_hashes(const StateHashes& hashes) { hashes_.push_back(hashes); }
   /// Forgets the states after `step`. Precondition: first() <= step <= last().
   void forget_after(std::int64_t step);
 
@@ -59,16 +59,16 @@ class Timeline {
   /// If states are reached in descending order, those before the requested one are kept for the next
   /// requests, within a tenth of the budget.
   std::unique_ptr<World> world_at(std::int64_t step, const RunOptions& options);
-  /// Compares the world, after a step, with the recorded hash of its state. Throws MachineError if it
-  /// differs.
+  /// Compares the world, after a step, with the recorded hashes of its state. Throws MachineError if they
+  /// differ.
   void check(World& world) const;
   bool agrees(World& world) const;
 
   std::int64_t bytes() const { return bytes_; }
   /// Ascending; at least one after begin().
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
-  /// World::state_hash() of the states first() + 1 to last(), before changes there.
-  const std::vector<std::uint64_t>& hashes() const { return hashes_; }
+  /// World::hashes() of the states first() + 1 to last(), before changes there.
+  const std::vector<StateHashes>& hashes() const { return hashes_; }
 
   /// Keyframes are so far apart that simulating up to the next one takes about this time, s, or longer if
   /// keyframes would take more than a tenth of the time, or more memory than the budget.
@@ -76,7 +76,7 @@ class Timeline {
 
  private:
   Keyframe keyframe_of(World& world, bool is_change);
-  std::uint64_t hash_at(std::int64_t step) const;
+  std::optional<std::string> difference(World& world) const;
   void fit_budget();
   void thin_out();
   void forget_oldest();
@@ -86,9 +86,8 @@ class Timeline {
   std::vector<std::shared_ptr<const Kept>> trail_;  ///< states before the last one that was reached
   std::int64_t reached_ = -1;                       ///< by world_at()
   std::vector<Keyframe> keyframes_;                 ///< ascending; at least one after begin()
-  std::vector<std::uint64_t> hashes_;  ///< World::state_hash() of the states first() + 1, ..., last(), before
-                                       ///< changes there
-  double seconds_ = 0;                 ///< of the steps since the last keyframe
+  std::vector<StateHashes> hashes_;                 ///< see hashes()
+  double seconds_ = 0;                              ///< of the steps since the last keyframe
   double interval_ = keyframe_seconds;
   double cost_ = 0;  ///< of the last keyframe, s
 };

@@ -8,7 +8,8 @@
 
 namespace collidoscope {
 
-/// State of all bodies in double; bit-exact. Quantities that are not stored are q = 1, w = 0.
+/// State of all bodies in double; bit-exact. Quantities that are not stored are q = 1, w = 0. In float,
+/// angular velocities of bodies with unequal moments have more digits than a float (dynamics/wide_spin.h).
 struct BodyStates {
   std::vector<Vector3d> position, velocity, angular_velocity;
   std::vector<Quaterniond> orientation;

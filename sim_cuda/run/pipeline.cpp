@@ -163,6 +163,7 @@ class TypedPipeline final : public Pipeline {
     visit(bodies.velocity.data(), bodies.velocity.bytes());
     visit(bodies.orientation.data(), bodies.orientation.bytes());
     visit(bodies.angular_velocity.data(), bodies.angular_velocity.bytes());
+    visit(bodies.angular_velocity_low.data(), bodies.angular_velocity_low.bytes());
     visit(bodies.static_impulses.data(), bodies.static_impulses.bytes());
     solver_->visit_warm_start(visit);
   }
@@ -180,6 +181,13 @@ class TypedPipeline final : public Pipeline {
     if (const Sleeping<Real>* sleeping = solver_->sleeping()) add(sleeping->measure(), stats);
   }
   std::uint64_t state_hash() override { return measurer_.state_hash(state_.view(), body_count_); }
+  StateHashes hashes() override {
+    HashedArrays others;
+    const Buffer<StaticImpulse>& sums = state_.bodies().static_impulses;
+    if (sums.size() > 0) others.add<double>(sums.data(), static_cast<std::int64_t>(sums.size()));
+    solver_->list_warm_start(others);
+    return measurer_.hashes(state_.view(), body_count_, state_.bodies().angular_velocity_low.data(), others);
+  }
   BodyStates bodies() override { return state_.download(); }
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() override;
   void publish(const PublishTarget& target, const TreeView& tree, const TreeValues& values,

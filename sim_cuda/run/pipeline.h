@@ -11,6 +11,7 @@
 #include "sim_cuda/broad_phase/broad_phase.h"
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/core/host_backup.h"
+#include "sim_cuda/core/state_hashes.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/guard/finding.h"
@@ -84,6 +85,7 @@ class Pipeline {
   /// current state (detect()).
   virtual void measure(StepStats& stats) = 0;
   virtual std::uint64_t state_hash() = 0;
+  virtual StateHashes hashes() = 0;
   virtual BodyStates bodies() = 0;
   virtual std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() = 0;
   /// `errors`: by id, m; null: none.

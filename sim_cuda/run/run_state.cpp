@@ -81,6 +81,8 @@ WarmStart remap_bodies(const WarmStart& warm_start, const BodyIdMap& ids, std::s
       if (!to_world) wake(joint.b);
     }
   }
+  // Groups of joints stay the same if no joint is lost.
+  if (moved.joints.size() == warm_start.joints.size()) moved.loop_energies = warm_start.loop_energies;
   using Part = std::array<double, 3>;
   for (std::size_t p = 0; p < warm_start.walls.size(); ++p) {
     moved.walls.push_back(by_new_id(warm_start.walls[p], ids, count, 0.0));

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sim_cuda/dynamics/cayley.h"
+#include "sim_cuda/dynamics/wide_spin.h"
 #include "sim_cuda/scene/mass_properties.h"
 
 namespace collidoscope {
@@ -143,6 +144,8 @@ void SimulationState<Real>::upload_rotation(const InitialBodies& initial) {
   bodies_.orientation.upload(orientation);
   bodies_.angular_velocity.upload(spin);
   bodies_.inertia.upload(inertia);
+  if (unequal_moments_ && sizeof(Real) == sizeof(float))
+    bodies_.angular_velocity_low.upload(std::vector<Vector3<float>>(n, Vector3<float>::Zero()));
 }
 
 template <class Real>
@@ -228,6 +231,7 @@ SolverScene<Real> SimulationState<Real>::solver_scene(const Scene& scene, int su
           .integrator = physics.integrator,
           .rotation_update = physics.rotation_update,
           .unequal_moments = unequal_moments_,
+          .angular_velocity_low = bodies_.angular_velocity_low.data(),
           .sleep = physics.sleep.value_or(Sleep{}),
           .control = control,
           .joints = joints};
@@ -251,6 +255,11 @@ BodyStates SimulationState<Real>::download() const {
     states.angular_velocity = widened(bodies_.angular_velocity.download());
     const auto q = bodies_.orientation.download();
     for (std::size_t i = 0; i < n; ++i) states.orientation[i] = q[i].template cast<double>();
+    const std::vector<Vector3<float>> low = bodies_.angular_velocity_low.download();
+    for (std::size_t i = 0; i < low.size(); ++i) {
+      Vector3d& w = states.angular_velocity[i];
+      w = joined(w.cast<float>(), low[i]);
+    }
   }
   return states;
 }
@@ -269,6 +278,11 @@ void SimulationState<Real>::upload(const BodyStates& states,
     for (std::size_t i = 0; i < n; ++i) orientation[i] = states.orientation[i].template cast<Real>();
     write(bodies_.orientation, orientation);
     write(bodies_.angular_velocity, stored<Real>(states.angular_velocity));
+    if (bodies_.angular_velocity_low.size() > 0) {
+      std::vector<Vector3<float>> low(n);
+      std::ranges::transform(states.angular_velocity, low.begin(), low_part);
+      write(bodies_.angular_velocity_low, low);
+    }
   }
   if (bodies_.static_impulses.size() > 0 && static_impulses.size() >= n)
     write(bodies_.static_impulses, static_impulses);

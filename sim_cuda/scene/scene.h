@@ -183,7 +183,7 @@ struct Camera {
 
 /// Sleep condition of an island of touching bodies: all of them are slower than `speed` for `time`.
 struct Sleep {
-  double speed = 0.05;  ///< m/s, >= 0, of the centre and of the rotating surface
+  double speed = 0.01;  ///< m/s, >= 0, of the centre and of the rotating surface
   double time = 0.5;    ///< s, >= 0
 };
 

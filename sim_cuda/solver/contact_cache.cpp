@@ -88,6 +88,13 @@ void ContactCache<Real>::visit(const ArrayVisitor& visit) const {
   if (previous_friction_.size() > 0) visit(previous_friction_.data(), previous * sizeof(Vector3<Real>));
 }
 
+template <class Real>
+void ContactCache<Real>::list(HashedArrays& arrays) const {
+  arrays.add<std::uint32_t>(previous_contacts_.data(), items());
+  arrays.add<Real>(previous_impulse_.data(), items());
+  if (previous_friction_.size() > 0) arrays.add<Real>(previous_friction_.data(), items());
+}
+
 template class ContactCache<float>;
 template class ContactCache<double>;
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/hashed_arrays.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/core/step_control.h"
@@ -75,6 +76,8 @@ class ContactCache {
                                   const PackedContact<Real>* soft, const ContactSums<Real>* sums,
                                   Real* total) const;
   std::uint32_t* count() const { return previous_count_.data(); }
+  /// In the executor's memory.
+  ItemCount items() const { return {previous_count_.data(), static_cast<std::int64_t>(capacity())}; }
 
   std::size_t size() const {
     return previous_count_.download()[0];
@@ -82,6 +85,7 @@ class ContactCache {
   void save(WarmStart& warm_start) const;
   void load(const WarmStart& warm_start);
   void visit(const ArrayVisitor& visit) const;
+  void list(HashedArrays& arrays) const;
 
  private:
   const std::int64_t body_count_;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "sim_cuda/core/hashed_arrays.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/dynamics/attractor.h"
 #include "sim_cuda/dynamics/body_state.h"
@@ -50,9 +51,10 @@ struct SolverScene {
   int substeps;              ///< >= 1
   int iterations;            ///< iterations over all contacts per solve, >= 1
   Integrator integrator;
-  RotationUpdate rotation_update;  ///< unused without unequal moments
-  bool unequal_moments;            ///< a body rotates, and its moments of inertia are not all equal
-  Sleep sleep;                     ///< unused if the effect is off
+  RotationUpdate rotation_update;        ///< unused without unequal moments
+  bool unequal_moments;                  ///< a body rotates, and its moments of inertia are not all equal
+  Vector3<float>* angular_velocity_low;  ///< rad/s (wide_spin.h); null in double, or without unequal moments
+  Sleep sleep;                           ///< unused if the effect is off
   StepControl* control;
 
   /// Number of static surfaces: planes, then boxes.
@@ -93,6 +95,9 @@ class ContactSolver {
   virtual void load_warm_start(const WarmStart&) {}
   /// Visits the arrays behind save_warm_start(), to copy them. Waits for the device.
   virtual void visit_warm_start(const ArrayVisitor&) {}
+  /// Lists the numbers of save_warm_start(), to hash them. Unlike the arrays above, they depend on the state
+  /// only, not on the way to it.
+  virtual void list_warm_start(HashedArrays&) const {}
 };
 
 template <class Real>

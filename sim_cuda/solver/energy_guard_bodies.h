@@ -193,6 +193,14 @@ struct GuardedBodies {
 
   // ---- totals of the step, when the guard changes a body ----
 
+  /// For the velocity that relax has changed after the move. Ways are rounded as positions are. Bodies at
+  /// rest would else do work over ways that rounding has removed.
+  SIM_HD void add_push_work(int body) const {
+    const Vector3<Real> before = moved[body], after = bodies.velocity[body];
+    if (!with_gravity || before == after) return;
+    const Vector3<Real> x = bodies.position[body], of_move = x - h * before, of_rest = x - h * after;
+    add_push_work(body, Vector3<Real>((x - of_move) / h), Vector3<Real>((x - of_rest) / h));
+  }
   /// For a velocity that changes after the move.
   SIM_HD void add_push_work(int body, const Vector3<Real>& before, const Vector3<Real>& after) const {
     if (!with_gravity || is_exempt(body)) return;

@@ -118,7 +118,7 @@ struct GuardRounds : GuardedBodies<Real> {
     double& gained = gains[body];
     gained = 0;
     if (!is_guarded(static_cast<std::uint32_t>(body))) return;
-    add_push_work(body, moved[body], bodies.velocity[body]);
+    add_push_work(body);
     const EnergyTerms sum = gain(body);
     gained = sum.gain() - sum.rounding(relative_rounding);
     const float size = static_cast<float>(gained < 0 ? -gained : gained);

@@ -4,6 +4,7 @@
 #include "sim_cuda/dynamics/integrators.h"
 #include "sim_cuda/dynamics/move.h"
 #include "sim_cuda/dynamics/rotation_updates.h"
+#include "sim_cuda/dynamics/wide_spin.h"
 #include "sim_cuda/solver/clear_space.h"
 
 namespace collidoscope {
@@ -146,16 +147,21 @@ struct RotateBodies {
   RotationUpdate update;
   RotationParts parts;
   const TreeMember* members;  ///< by body; null without joint trees
+  Vector3<float>* low;        ///< of angular velocities (wide_spin.h); null in double
   const StepControl* control;
   SIM_HD void operator()(int body) const {
     if (control->overflow) return;
     const Vector3<Real> inertia = bodies.inertia[body];
     if (is_isotropic(inertia) || (members != nullptr && members[body] != TreeMember::none)) return;
-    Vector3<Real> w = bodies.angular_velocity[body];
-    if (update == RotationUpdate::first_order
-            ? rotate_first_order(bodies.orientation[body], w, inertia, h)
-            : rotate_lie_group(bodies.orientation[body], w, inertia, h, parts))
-      bodies.angular_velocity[body] = w;
+    const Vector3<Real> stored = bodies.angular_velocity[body];
+    Vector3d w = stored.template cast<double>();
+    if constexpr (sizeof(Real) == sizeof(float)) w = joined(stored, low[body]);
+    if (!(update == RotationUpdate::first_order
+              ? rotate_first_order(bodies.orientation[body], w, inertia, h)
+              : rotate_lie_group(bodies.orientation[body], w, inertia, h, parts)))
+      return;
+    bodies.angular_velocity[body] = Vector3<Real>(w.cast<Real>());
+    if constexpr (sizeof(Real) == sizeof(float)) low[body] = low_part(w);
   }
 };
 
@@ -225,9 +231,9 @@ void FreeIntegrator<Real>::move(Real h, bool forces_applied, const std::uint8_t*
                     scene_.box, h, scene_.control, asleep, clamped, members());
   if (!scene_.unequal_moments) return;
   const RotationParts parts{scene_.integrator == Integrator::rk4 ? 5 : 1};
-  run_awake_bodies(
-      executor_, "turn", scene_.body_count, asleep,
-      RotateBodies<Real>{scene_.bodies, h, scene_.rotation_update, parts, members(), scene_.control});
+  run_awake_bodies(executor_, "turn", scene_.body_count, asleep,
+                   RotateBodies<Real>{scene_.bodies, h, scene_.rotation_update, parts, members(),
+                                      scene_.angular_velocity_low, scene_.control});
 }
 
 template class FreeIntegrator<float>;

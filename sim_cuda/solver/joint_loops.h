@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/hashed_arrays.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
@@ -154,6 +155,9 @@ class JointLoops {
   void load_allowances(const std::vector<std::array<double, 2>>& allowances);
   void visit_allowances(const ArrayVisitor& visit) const {
     if (!empty()) visit(allowances_.data(), allowances_.bytes());
+  }
+  void list_allowances(HashedArrays& arrays) const {
+    if (!empty()) arrays.add<double>(allowances_.data(), static_cast<std::int64_t>(allowances_.size()));
   }
 
  private:

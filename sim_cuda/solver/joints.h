@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/hashed_arrays.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
@@ -82,6 +83,12 @@ class Joints {
   void visit_warm_start(const ArrayVisitor& visit) const {
     visit(impulses_.data(), impulses_.bytes());
     loops_.visit_allowances(visit);
+  }
+  void list_warm_start(HashedArrays& arrays) const {
+    constexpr int numbers = 7;  // without padding
+    if (impulses_.size() > 0)
+      arrays.add<Real>(impulses_.data(), static_cast<std::int64_t>(impulses_.size()), numbers);
+    loops_.list_allowances(arrays);
   }
   /// See LoopAllowance.
   std::vector<std::array<double, 2>> save_loop_energies() const { return loops_.save_allowances(); }

@@ -69,6 +69,12 @@ void PlaneContacts<Real>::visit(const ArrayVisitor& visit) const {
   visit(active_mask_.data(), active_mask_.bytes());
 }
 
+template <class Real>
+void PlaneContacts<Real>::list(HashedArrays& arrays) const {
+  if (impulse_.size() > 0) arrays.add<Real>(impulse_.data(), static_cast<std::int64_t>(impulse_.size()));
+  if (friction_.size() > 0) arrays.add<Real>(friction_.data(), static_cast<std::int64_t>(friction_.size()));
+}
+
 template class PlaneContacts<float>;
 template class PlaneContacts<double>;
 

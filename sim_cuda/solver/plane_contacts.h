@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/hashed_arrays.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/solver/contact_solver.h"
 #include "sim_cuda/solver/soft_walls.h"
@@ -45,6 +46,7 @@ class PlaneContacts {
   /// Loads nothing if the number of surfaces differs.
   void load(const WarmStart& warm_start);
   void visit(const ArrayVisitor& visit) const;
+  void list(HashedArrays& arrays) const;
 
  private:
   void activate_all();

@@ -15,6 +15,7 @@
 #include <cstdint>
 
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/hashed_arrays.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
@@ -82,6 +83,12 @@ class RollingResistance {
     if (control_ == nullptr) return;
     visit(previous_impulse_.data(), contacts * sizeof(Vector3<Real>));
     visit(wall_impulse_.data(), wall_impulse_.bytes());
+  }
+  void list_warm_start(const ItemCount& contacts, HashedArrays& arrays) const {
+    if (control_ == nullptr) return;
+    arrays.add<Real>(previous_impulse_.data(), contacts);
+    if (wall_impulse_.size() > 0)
+      arrays.add<Real>(wall_impulse_.data(), static_cast<std::int64_t>(wall_impulse_.size()));
   }
 
  private:

@@ -23,6 +23,7 @@
 
 #include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/buffer.h"
+#include "sim_cuda/core/hashed_arrays.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/dynamics/body_state.h"
@@ -86,6 +87,10 @@ class Sleeping {
   void visit_warm_start(const ArrayVisitor& visit) const {
     visit(sleep_timer_.data(), sleep_timer_.bytes());
     visit(parent_.data(), parent_.bytes());
+  }
+  void list_warm_start(HashedArrays& arrays) const {
+    if (sleep_timer_.size() > 0)
+      arrays.add<std::uint32_t>(sleep_timer_.data(), static_cast<std::int64_t>(sleep_timer_.size()));
   }
 
  private:

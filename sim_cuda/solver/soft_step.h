@@ -51,6 +51,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   WarmStart save_warm_start() const override;
   void load_warm_start(const WarmStart& warm_start) override;
   void visit_warm_start(const ArrayVisitor& visit) override;
+  void list_warm_start(HashedArrays& arrays) const override;
 
  private:
   // Phases of a step, in order. The energy guard (energy_guard.h) follows each relax.

@@ -33,6 +33,15 @@ void SoftStepSolver<Real>::visit_warm_start(const ArrayVisitor& visit) {
 }
 
 template <class Real>
+void SoftStepSolver<Real>::list_warm_start(HashedArrays& arrays) const {
+  cache_.list(arrays);
+  planes_.list(arrays);
+  rolling_.list_warm_start(cache_.items(), arrays);
+  sleeping_.list_warm_start(arrays);
+  if (scene_.joints) scene_.joints->list_warm_start(arrays);
+}
+
+template <class Real>
 void SoftStepSolver<Real>::load_warm_start(const WarmStart& warm_start) {
   cache_.load(warm_start);
   rolling_.load_warm_start(warm_start,
@@ -66,11 +75,13 @@ std::vector<Residual> SoftStepSolver<Real>::residuals() const {
 
 template WarmStart SoftStepSolver<float>::save_warm_start() const;
 template void SoftStepSolver<float>::visit_warm_start(const ArrayVisitor&);
+template void SoftStepSolver<float>::list_warm_start(HashedArrays&) const;
 template void SoftStepSolver<float>::load_warm_start(const WarmStart&);
 template void SoftStepSolver<float>::record_residuals(bool);
 template std::vector<Residual> SoftStepSolver<float>::residuals() const;
 template WarmStart SoftStepSolver<double>::save_warm_start() const;
 template void SoftStepSolver<double>::visit_warm_start(const ArrayVisitor&);
+template void SoftStepSolver<double>::list_warm_start(HashedArrays&) const;
 template void SoftStepSolver<double>::load_warm_start(const WarmStart&);
 template void SoftStepSolver<double>::record_residuals(bool);
 template std::vector<Residual> SoftStepSolver<double>::residuals() const;
