@@ -302,6 +302,16 @@ AnalyticCase middle_axis() {
   return one;
 }
 
+/// Free motion is the same with `impulse`, which has no attractors.
+void add_impulse(AnalyticCase& one) {
+  if (!one.scene.physics.attractors.empty()) return;
+  const std::vector<AnalyticMethod> methods = one.methods;
+  for (AnalyticMethod method : methods) {
+    method.solver = Solver::impulse;
+    one.methods.push_back(method);
+  }
+}
+
 }  // namespace
 
 std::vector<AnalyticCase> smooth_cases() {
@@ -312,6 +322,7 @@ std::vector<AnalyticCase> smooth_cases() {
         slowed("drag_quadratic", "Euler's drag is implicit: b v^2 log(1 + b v0 t) h"),
         free_top("symmetric_top"), free_top("oblate_top"), middle_axis()})
     cases.push_back(one);
+  for (AnalyticCase& one : cases) add_impulse(one);
   return cases;
 }
 
