@@ -116,7 +116,8 @@ TEST(AnalyticSuite, RefusesFlagsOfScenes) {
 }
 
 TEST(AnalyticSuite, NeedsACase) {
-  const CommandLine line = parse_command_line({"accuracy", "--solver", "jacobi_split", "--integrator", "rk4"});
+  const CommandLine line =
+      parse_command_line({"accuracy", "--solver", "jacobi_split", "--integrator", "rk4"});
   try {
     analytic_suite(line);
     FAIL() << "ran";

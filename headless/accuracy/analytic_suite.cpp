@@ -206,7 +206,7 @@ std::string analytic_markdown(const std::vector<AnalyticResult>& results, const 
 }
 
 std::string analytic_text(const std::vector<AnalyticResult>& results, const std::string& device) {
-  constexpr const char* columns = "{:<21}{:<33}{:<16}{:<18}{:>10}{:>11}{:>10}{:>10}  {:<8}{}\n";
+  constexpr const char* columns = "{:<21}{:<44}{:<16}{:<18}{:>10}{:>11}{:>10}{:>10}  {:<8}{}\n";
   std::string text = fmt::format(columns, "case", "method", "h, s", "f64 error", "order", "/ theory",
                                  "f32 error", "f32 limit", "", "quantity");
   std::string last;
