@@ -148,8 +148,10 @@ TEST_P(LaunchTuners, MeasureAllShapesAndKeepTheirBudget) {
 
 /// A shape that leads to another state is reported, and never chosen.
 TEST_P(LaunchTuners, ReportAnotherHash) {
-  World world(tuned_scene(), options());
-  LaunchTuner tuner(world, 2);
+  Scene scene = tuned_scene();
+  scene.generators[0].count = 20;
+  World world(scene, options());
+  LaunchTuner tuner(world, 60);  // ends when all shapes are measured, also on a busy GPU
   tuner.set_hash([](World& one) { return one.state_hash() ^ (one.launch_shape().threads == 64 ? 1u : 0u); });
   while (!tuner.done()) tuner.advance(50);
   int wrong = 0;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sim_cuda/core/arithmetic.h"
+#include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/core/reduce.h"
 #include "sim_cuda/dynamics/wide_spin.h"
@@ -119,8 +120,6 @@ struct MeasureImpulse {
   }
 };
 
-SIM_HD inline HashSums combine(HashSums a, HashSums b) { return {a.bodies + b.bodies, a.others + b.others}; }
-
 template <class Real>
 struct HashState {
   BodyView<Real> bodies;
@@ -158,6 +157,25 @@ struct HashState {
   }
 };
 
+/// Adds the hashes of items first, first + stride, ... The sum of integers does not depend on the order.
+template <class Real>
+struct AddHashes {
+  HashState<Real> hash_of;
+  std::int64_t items, lanes, per_lane;
+  bool interleaved;     ///< neighbouring lanes read neighbouring items, as a GPU needs it
+  std::uint64_t* sums;  ///< HashSums::bodies, others
+  SIM_HD void operator()(int lane) const {
+    const std::int64_t first = interleaved ? lane : lane * per_lane, stride = interleaved ? lanes : 1;
+    std::uint64_t sum[2] = {0, 0};
+    for (std::int64_t k = 0; k < per_lane && first + k * stride < items; ++k) {
+      const HashSums hash = hash_of(first + k * stride);
+      sum[0] += hash.bodies;
+      sum[1] += hash.others;
+    }
+    atomic_add_aggregated<2>(sums, sum);
+  }
+};
+
 template <class Real>
 Measurer<Real>::Measurer(Executor& executor)
     : executor_(executor),
@@ -169,7 +187,7 @@ template <class Real>
 void Measurer<Real>::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
   sums_.resize_discarding(reduce_scratch_size(bodies));
   largest_.resize_discarding(reduce_scratch_size(contact_capacity));
-  hashes_.resize_discarding(reduce_scratch_size(bodies));
+  hashes_.resize_discarding(2);
 }
 
 template <class Real>
@@ -227,15 +245,16 @@ StateHashes Measurer<Real>::hashes(const BodyView<Real>& bodies, std::int64_t bo
                                    const Vector3<float>* low, const HashedArrays& others) {
   const std::int64_t items = body_count + others.items();
   if (items == 0) return {0, 1};
-  if (const std::size_t needed = reduce_scratch_size(items); hashes_.size() < needed)
-    hashes_.resize_discarding(needed);
-  HashSums sums;
-  executor_.copy_to_host(&sums,
-                         reduce<HashSums>(executor_, "hash", items,
-                                          HashState<Real>{bodies, low, body_count, others}, hashes_.data()),
-                         sizeof sums);
-  const std::uint64_t full = mix64(sums.bodies ^ mix64(sums.others));
-  return {sums.bodies, full != 0 ? full : 1};
+  const std::int64_t per_lane = executor_.on_device() ? 8 : 512, lanes = (items + per_lane - 1) / per_lane;
+  executor_.fill(hashes_.data(), 0, hashes_.bytes());
+  executor_.run(
+      "hash", lanes,
+      AddHashes<Real>{
+          {bodies, low, body_count, others}, items, lanes, per_lane, executor_.on_device(), hashes_.data()});
+  std::uint64_t sums[2];
+  executor_.copy_to_host(sums, hashes_.data(), sizeof sums);
+  const std::uint64_t full = mix64(sums[0] ^ mix64(sums[1]));
+  return {sums[0], full != 0 ? full : 1};
 }
 
 void add(const JointSums& sums, std::int64_t count, StepStats& stats) {

@@ -72,8 +72,7 @@ class Measurer {
   /// Sum modulo 2^64 over the bodies of a hash of (id, x, q, v, w as bits), independent of the order of
   /// summation. Quantities that are not stored count as q = 1, w = 0. 0 without bodies.
   std::uint64_t state_hash(const BodyView<Real>& bodies, std::int64_t body_count);
-  /// Also hashes `others`. `low`: of the angular velocities (wide_spin.h); may be null. Allocates memory if
-  /// `others` has become longer.
+  /// Also hashes `others`. `low`: of the angular velocities (wide_spin.h); may be null.
   StateHashes hashes(const BodyView<Real>& bodies, std::int64_t body_count, const Vector3<float>* low,
                      const HashedArrays& others);
 
@@ -81,7 +80,7 @@ class Measurer {
   Executor& executor_;
   Buffer<BodySums> sums_;
   Buffer<Largest> largest_;
-  Buffer<HashSums> hashes_;
+  Buffer<std::uint64_t> hashes_;
 };
 
 }  // namespace collidoscope
