@@ -39,7 +39,7 @@ const std::vector<StateEdit> state_edits{
     {"velocity", [](RunState& s) { return edit_last(s.bodies.velocity, [](auto& v) { v.y() += 1; }); }, true},
     {"contact impulse",
      [](RunState& s) { return edit_last(s.warm_start.contacts, [](auto& c) { c.impulse += 1; }); }},
-    {"contact body", [](RunState& s) { return edit_last(s.warm_start.contacts, [](auto& c) { c.b += 1; }); }},
+    {"contact body", [](RunState& s) { return edit_last(s.warm_start.contacts, [](auto& c) { c.b -= 1; }); }},
     {"friction", [](RunState& s) { return edit_last(s.warm_start.friction, [](auto& f) { f[2] += 1; }); }},
     {"wall", [](RunState& s) { return edit_last(s.warm_start.walls, [](auto& w) { w.back() += 1; }); }},
     {"wall friction",

@@ -32,23 +32,25 @@ class HashedArrays {
   }
   std::int64_t items() const { return items_; }
 
-  /// Hash of an item; 0 if all its numbers are 0.
-  SIM_HD std::uint64_t hash(std::int64_t item) const {
-    int a = 0;
-    while (a + 1 < count_ && item >= arrays_[a + 1].begin) ++a;
-    const Array& array = arrays_[a];
-    const std::int64_t k = item - array.begin;
-    if (array.device_count != nullptr && k >= static_cast<std::int64_t>(*array.device_count)) return 0;
-    std::uint64_t any = 0, h = mix64(static_cast<std::uint64_t>(a) << 48 ^ static_cast<std::uint64_t>(k));
-    for (int w = 0; w < array.used; ++w) {
-      const std::uint64_t bits = array.bits(k * array.numbers + w);
-      any |= bits;
-      h = mix64(h ^ bits);
-    }
-    return any == 0 ? 0 : h;
+  /// Hash of an item; 0 if all its numbers are 0. `array`: where the search for its array starts, and where
+  /// it ends. Start with 0, and pass it on to later items.
+  SIM_HD std::uint64_t hash(std::int64_t item, int& array) const {
+    while (array + 1 < count_ && item >= arrays_[array + 1].begin) ++array;
+    const Array& list = arrays_[array];
+    const std::int64_t k = item - list.begin, first = k * list.numbers;
+    if (list.device_count != nullptr && k >= static_cast<std::int64_t>(*list.device_count)) return 0;
+    if (list.is_zero(first)) return 0;  // most items of planes
+    std::uint64_t h = step(static_cast<std::uint64_t>(array) << 48 ^ static_cast<std::uint64_t>(k));
+    for (int w = 0; w < list.used; ++w) h = step(h ^ list.bits(first + w));
+    return mix64(h);
   }
 
  private:
+  /// Cheaper than mix64(): half of the time of a hash on a CPU.
+  SIM_HD static std::uint64_t step(std::uint64_t x) {
+    x *= 0xd6e8feb86659fd93u;  // odd, so this is a bijection
+    return x ^ x >> 32;
+  }
   struct Array {
     const void* data;
     std::int64_t begin;  ///< number of items of the arrays before
@@ -56,6 +58,17 @@ class HashedArrays {
     int numbers, used;  ///< per item
     bool wide, floating;
 
+    /// -0 is 0.
+    SIM_HD bool is_zero(std::int64_t first) const {
+      return wide ? is_zero<std::uint64_t>(first) : is_zero<std::uint32_t>(first);
+    }
+    template <class Word>
+    SIM_HD bool is_zero(std::int64_t first) const {
+      const Word* words = static_cast<const Word*>(data) + first;
+      Word any = 0;
+      for (int w = 0; w < used; ++w) any |= words[w];
+      return floating ? static_cast<Word>(any << 1) == 0 : any == 0;
+    }
     SIM_HD std::uint64_t bits(std::int64_t at) const {
       if (wide) {
         return floating ? hash_bits(static_cast<const double*>(data)[at])

@@ -126,8 +126,9 @@ struct HashState {
   const Vector3<float>* low;  ///< null: there are none
   std::int64_t body_count;
   HashedArrays others;
-  SIM_HD HashSums operator()(std::int64_t item) const {
-    if (item >= body_count) return {0, others.hash(item - body_count)};
+  /// `array`: see HashedArrays::hash().
+  SIM_HD HashSums operator()(std::int64_t item, int& array) const {
+    if (item >= body_count) return {0, others.hash(item - body_count, array)};
     const std::uint64_t h = of_body(item);
     if constexpr (sizeof(Real) == sizeof(float)) {
       if (low == nullptr) return {h, 0};
@@ -167,8 +168,9 @@ struct AddHashes {
   SIM_HD void operator()(int lane) const {
     const std::int64_t first = interleaved ? lane : lane * per_lane, stride = interleaved ? lanes : 1;
     std::uint64_t sum[2] = {0, 0};
+    int array = 0;
     for (std::int64_t k = 0; k < per_lane && first + k * stride < items; ++k) {
-      const HashSums hash = hash_of(first + k * stride);
+      const HashSums hash = hash_of(first + k * stride, array);
       sum[0] += hash.bodies;
       sum[1] += hash.others;
     }
