@@ -46,7 +46,7 @@ class HashedArrays {
   }
 
  private:
-  /// Cheaper than mix64(): half of the time of a hash on a CPU.
+  /// Cheaper than mix64(), which ends each hash.
   SIM_HD static std::uint64_t step(std::uint64_t x) {
     x *= 0xd6e8feb86659fd93u;  // odd, so this is a bijection
     return x ^ x >> 32;
