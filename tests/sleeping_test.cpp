@@ -11,7 +11,7 @@
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/scene/names.h"
 #include "tests/executors.h"
-#include "tests/scenes.h"
+#include "tests/sleeping_scenes.h"
 
 namespace collidoscope {
 namespace {
@@ -19,41 +19,14 @@ namespace {
 class Sleepers : public OnEachExecutor {};
 ON_EACH_EXECUTOR(Sleepers);
 
-/// Whether each body slept in the last step, by id.
-std::vector<bool> sleepers(World& world) {
-  std::vector<bool> asleep;
-  for (const std::uint32_t timer : world.state().warm_start.sleep_timer)
-    asleep.push_back(timer == asleep_marker);
-  return asleep;
-}
-int count(World& world, std::size_t first = 0, std::size_t last = ~std::size_t{0}) {
-  const std::vector<bool> asleep = sleepers(world);
-  return static_cast<int>(
-      std::count(asleep.begin() + static_cast<std::ptrdiff_t>(first),
-                 asleep.begin() + static_cast<std::ptrdiff_t>(std::min(last, asleep.size())), true));
-}
-
-/// A floor and columns of `high` spheres of 1 m at these places, with friction and little restitution.
-Scene columns(const std::vector<double>& places, int high) {
-  Scene scene;
-  scene.physics.solver = Solver::soft_step;
-  scene.physics.sleep = Sleep{};
-  scene.materials[0].friction = 0.5;
-  scene.materials[0].restitution = 0.2;
-  scene.obstacles.push_back({});
-  for (const double x : places)
-    for (int k = 0; k < high; ++k) scene.bodies.push_back(sphere(1, Vector3d(x, 0, 1 + 2 * k)));
-  return scene;
-}
-
 TEST_P(Sleepers, FallAsleepTogetherOnceAllHaveBeenSlowForTheTime) {
-  Scene scene = columns({0, 10}, 3);
+  Scene scene = sleeping_columns({0, 10}, 3);
   scene.bodies[5].position.z() = 5.8;  // falls for 0.4 s onto the second column
   World world(scene, options());
   int first = 0, second = 0;
   for (int step = 1; step <= 120; ++step) {
     world.step();
-    const int left = count(world, 0, 3), right = count(world, 3);
+    const int left = count_asleep(world, 0, 3), right = count_asleep(world, 3);
     EXPECT_TRUE(left == 0 || left == 3) << step;
     // Before its impact, the falling sphere is an island of its own.
     EXPECT_TRUE(right == 0 || right == 3 || (step < 40 && right == 2)) << step;
@@ -68,12 +41,12 @@ TEST_P(Sleepers, FallAsleepTogetherOnceAllHaveBeenSlowForTheTime) {
 
 TEST_P(Sleepers, KeepTheirStateAndWhatIsRememberedOfThem) {
   for (const Precision precision : {Precision::f32, Precision::f64}) {
-    Scene scene = columns({0, 2, 30}, 3);
+    Scene scene = sleeping_columns({0, 2, 30}, 3);
     scene.materials[0].rolling_resistance = 0.01;
     scene.physics.precision = precision;
     World world(scene, options());
     world.step(150);
-    ASSERT_EQ(count(world), 9) << name_of(precision_names, precision);
+    ASSERT_EQ(count_asleep(world), 9) << name_of(precision_names, precision);
     world.step(2);  // contacts without impulse lose their cache entry with the velocity
     const RunState before = world.state();
     const std::uint64_t hash = world.state_hash();
@@ -93,18 +66,18 @@ TEST_P(Sleepers, KeepTheirStateAndWhatIsRememberedOfThem) {
 }
 
 TEST_P(Sleepers, WakeWhereTheyAreTouchedAndOnlyThere) {
-  Scene scene = columns({0, 10, 20}, 4);
+  Scene scene = sleeping_columns({0, 10, 20}, 4);
   scene.bodies.push_back(sphere(0.5, Vector3d(10, 0, 60)));  // falls for 3.2 s onto the middle column
   World world(scene, options());
   world.step(80);
-  ASSERT_EQ(count(world), 12);
+  ASSERT_EQ(count_asleep(world), 12);
   const BodyStates before = world.bodies();
   bool woken = false;
   for (int step = 0; step < 60; ++step) {
     world.step();
-    woken = woken || count(world, 4, 8) == 0;
-    EXPECT_EQ(count(world, 0, 4), 4);
-    EXPECT_EQ(count(world, 8, 12), 4);
+    woken = woken || count_asleep(world, 4, 8) == 0;
+    EXPECT_EQ(count_asleep(world, 0, 4), 4);
+    EXPECT_EQ(count_asleep(world, 8, 12), 4);
   }
   EXPECT_TRUE(woken);
   const BodyStates after = world.bodies();
@@ -113,91 +86,11 @@ TEST_P(Sleepers, WakeWhereTheyAreTouchedAndOnlyThere) {
   EXPECT_NE(after.position[7], before.position[7]);
 }
 
-/// The largest distance of a body of one world from the same body of another, m.
-double distance(World& a, World& b) {
-  const BodyStates left = a.bodies(), right = b.bodies();
-  double largest = 0;
-  for (std::size_t i = 0; i < left.position.size(); ++i)
-    largest = std::max(largest, (left.position[i] - right.position[i]).norm());
-  return largest;
-}
-
-Scene ball_rolls_into(Scene scene, const Vector3d& place, double speed) {
-  scene.bodies.push_back(sphere(1, place, Vector3d(speed, 0, 0)));
-  scene.bodies.back().angular_velocity = Vector3d(0, speed, 0);
-  return scene;
-}
-
-/// Until they wake, bodies are at most 10 um from those of a run that never slept. After the blow of a ball,
-/// the difference is at most ten times that of another run that never slept, from a start that differs by
-/// 0.1 um.
-TEST_P(Sleepers, AreWhereTheyWouldBeWithoutSleep) {
-  struct Case {
-    Scene scene;
-    int sleepers, blow, last;  // bodies that sleep; states
-  };
-  for (const Case& each :
-       {Case{ball_rolls_into(columns({0, 2, 4, 6}, 1), Vector3d(-24, 0, 1), 6), 4, 110, 340},
-        Case{ball_rolls_into(columns({0, 2, 4, 6}, 1), Vector3d(-40, 0.3, 1), 6), 4, 190, 340},
-        Case{ball_rolls_into(columns({0, 2, 4}, 2), Vector3d(-40, 0.3, 1), 9), 6, 125, 180}})
-    for (const Precision precision : {Precision::f32, Precision::f64}) {
-      Scene scene = each.scene;
-      scene.physics.precision = precision;
-      World slept(scene, options());
-      scene.physics.sleep.reset();
-      World never(scene, options());
-      double sign = 1e-7;
-      for (Body& body : scene.bodies) body.position.x() += sign *= -1;
-      World moved(scene, options());
-      int asleep = 0;
-      double largest = 0;  // of the moved run
-      for (int step = 1; step <= each.last; ++step) {
-        for (World* world : {&slept, &never, &moved}) world->step();
-        if (step == each.blow - 20) asleep = count(slept);
-        largest = std::max(largest, distance(moved, never));
-        ASSERT_LE(distance(slept, never), step < each.blow ? 1e-5 : 10 * largest)
-            << "state " << step << ", " << each.sleepers << " sleepers, blow at " << each.blow;
-      }
-      EXPECT_EQ(asleep, each.sleepers);
-      EXPECT_LT(count(slept), each.sleepers) << "the blow woke them";
-    }
-}
-
-/// A whole pile. In float, the pile that never sleeps creeps: positions are multiples of 4 um there.
-TEST_P(Sleepers, APileIsWhereItWouldBeWithoutSleep) {
-  Scene scene = project_scene("pile");
-  scene.generators[0].count = 500;
-  scene.materials[0].rolling_resistance = 0.05;
-  scene.physics.precision = Precision::f64;
-  scene.physics.sleep = Sleep{};
-  World slept(scene, options());
-  scene.physics.sleep.reset();
-  World never(scene, options());
-  for (int step = 100; step <= 600; step += 100) {
-    slept.step(100);
-    never.step(100);
-    ASSERT_EQ(count(slept), 500);
-    EXPECT_LE(distance(slept, never), 1e-5) << step;
-  }
-}
-
-TEST_P(Sleepers, ABlowGoesThroughASleepingRow) {
-  Scene scene = ball_rolls_into(columns({0, 2, 4, 6}, 1), Vector3d(-24, 0, 1), 6);
-  scene.materials[0].friction = 0.1;
-  World world(scene, options());
-  world.step(90);
-  ASSERT_EQ(count(world, 0, 4), 4);
-  EXPECT_EQ(count(world, 4), 0);
-  world.step(50);  // the impact is at state 110
-  EXPECT_EQ(count(world), 0);
-  EXPECT_NEAR(world.bodies().velocity[3].x(), 0.959, 0.02) << "limit for small steps";
-}
-
 TEST_P(Sleepers, TouchedInTheVeryStepInWhichTheyWouldFallAsleep) {
   // The row falls asleep in its 16th step. A fast ball arrives in one of the steps from 13 to 18. It must
   // never hit a body that acts like a fixed one.
   for (int k = 13; k <= 18; ++k) {
-    Scene scene = columns({0}, 1);
+    Scene scene = sleeping_columns({0}, 1);
     scene.physics.gravity = Vector3d(0, 0, 0);
     scene.obstacles.clear();
     scene.materials[0].friction = 0;
@@ -209,55 +102,55 @@ TEST_P(Sleepers, TouchedInTheVeryStepInWhichTheyWouldFallAsleep) {
     const BodyStates states = world.bodies();
     EXPECT_NEAR(states.velocity[0].x(), speed, 1e-3) << k;
     EXPECT_NEAR(states.velocity[1].x(), 0, 1e-3) << k;
-    EXPECT_EQ(count(world), 0) << k;
+    EXPECT_EQ(count_asleep(world), 0) << k;
   }
 }
 
 TEST_P(Sleepers, WakeWhenASettingOrABodyTheyRestOnChanges) {
-  const Scene scene = columns({0, 10}, 2);
+  const Scene scene = sleeping_columns({0, 10}, 2);
   World world(scene, options());
   world.step(60);
-  ASSERT_EQ(count(world), 4);
+  ASSERT_EQ(count_asleep(world), 4);
   World same(scene, options());
   same.restore(world);
   same.step();
-  EXPECT_EQ(count(same), 4);
+  EXPECT_EQ(count_asleep(same), 4);
   Scene turned = scene;
   turned.physics.gravity = Vector3d(0, 0, 3);
   World other(turned, options());
   other.restore(world);
   other.step();
-  EXPECT_EQ(count(other), 0);
+  EXPECT_EQ(count_asleep(other), 0);
 
   // The lower sphere of the last column is removed; body 2 rests on body 3.
-  Scene upside_down = columns({0}, 2);
+  Scene upside_down = sleeping_columns({0}, 2);
   upside_down.bodies.push_back(sphere(1, Vector3d(10, 0, 3)));
   upside_down.bodies.push_back(sphere(1, Vector3d(10, 0, 1)));
   World full(upside_down, options());
   full.step(60);
-  ASSERT_EQ(count(full), 4);
+  ASSERT_EQ(count_asleep(full), 4);
   RunState state = full.state();
   upside_down.bodies.pop_back();
   World less(upside_down, options());
   state.settings = less.state().settings;  // as after a change of a generator's N
   less.restore(state);
   less.step();
-  EXPECT_EQ(count(less), 2);
-  EXPECT_FALSE(sleepers(less)[2]);
+  EXPECT_EQ(count_asleep(less), 2);
+  EXPECT_FALSE(bodies_asleep(less)[2]);
 }
 
 TEST_P(Sleepers, ABodyThatSpinsOrRollsIsNotAtRest) {
-  Scene scene = columns({0, 10}, 1);
+  Scene scene = sleeping_columns({0, 10}, 1);
   scene.bodies[0].angular_velocity = Vector3d(0, 0, 1);  // drills: friction at a point does not stop it
   World world(scene, options());
   world.step(60);
-  EXPECT_FALSE(sleepers(world)[0]);
-  EXPECT_TRUE(sleepers(world)[1]);
+  EXPECT_FALSE(bodies_asleep(world)[0]);
+  EXPECT_TRUE(bodies_asleep(world)[1]);
 }
 
 TEST_P(Sleepers, ThatAJointHoldsSleepAndWakeWithWhatItHolds) {
   // A rod of 10 m between two balls. The second ball is hit.
-  Scene scene = columns({0, 10}, 1);
+  Scene scene = sleeping_columns({0, 10}, 1);
   scene.joints.emplace_back();
   scene.joints[0].a = 0;
   scene.joints[0].b = 1;
@@ -265,22 +158,22 @@ TEST_P(Sleepers, ThatAJointHoldsSleepAndWakeWithWhatItHolds) {
   scene.bodies.back().angular_velocity = Vector3d(0, -6, 0);
   World joined(scene, options());
   joined.step(40);
-  EXPECT_EQ(count(joined, 0, 2), 2);
+  EXPECT_EQ(count_asleep(joined, 0, 2), 2);
   const std::uint64_t impulses = joined.state().warm_start.joints.size();
   EXPECT_EQ(impulses, 1u);
   joined.step(90);  // it hits body 1 at state 110; body 0 is 10 m away
-  EXPECT_EQ(count(joined), 0);
+  EXPECT_EQ(count_asleep(joined), 0);
   EXPECT_LT(joined.bodies().velocity[0].x(), -0.5);
   scene.joints.clear();
   World apart(scene, options());
   apart.step(120);
-  EXPECT_TRUE(sleepers(apart)[0]);
-  EXPECT_FALSE(sleepers(apart)[1]);
+  EXPECT_TRUE(bodies_asleep(apart)[0]);
+  EXPECT_FALSE(bodies_asleep(apart)[1]);
 }
 
 TEST_P(Sleepers, OnWhatNoForceMovesAreOnesOwnAndWakeWhenItMoves) {
   // Two balls, one on a static sphere and one on a slow kinematic sphere.
-  Scene scene = columns({}, 1);
+  Scene scene = sleeping_columns({}, 1);
   scene.obstacles.clear();
   for (const double x : {0.0, 40.0}) {
     scene.bodies.push_back(sphere(10, Vector3d(x, 0, -10)));
@@ -290,7 +183,7 @@ TEST_P(Sleepers, OnWhatNoForceMovesAreOnesOwnAndWakeWhenItMoves) {
   scene.bodies[2].velocity = Vector3d(0, 0, 0.01);  // below the sleep speed, but it keeps moving
   World world(scene, options());
   world.step(90);
-  const std::vector<bool> asleep = sleepers(world);
+  const std::vector<bool> asleep = bodies_asleep(world);
   EXPECT_FALSE(asleep[0]);
   EXPECT_TRUE(asleep[1]) << "what is fixed joins nothing";
   EXPECT_FALSE(asleep[2]);
@@ -307,8 +200,8 @@ TEST_P(Sleepers, GiveTheSameBitsAtEveryLaunchShape) {
   World first(scene, options());
   first.step(150);
   const std::uint64_t expected = first.state_hash();
-  EXPECT_GT(count(first), 20);
-  EXPECT_LT(count(first), 400);
+  EXPECT_GT(count_asleep(first), 20);
+  EXPECT_LT(count_asleep(first), 400);
   for (const LaunchShape shape : {LaunchShape{1, 1}, {2, 4}, {16, 16}, {3, 37}})
     for (const LaneOrder order : {LaneOrder::contiguous, LaneOrder::strided, LaneOrder::shuffled}) {
       if (GetParam() == ExecutorKind::cuda && order != LaneOrder::contiguous) continue;
@@ -327,7 +220,7 @@ TEST_P(Sleepers, GiveTheSameBitsAtEveryLaunchShape) {
 }
 
 TEST_P(Sleepers, AreCountedAndDrawn) {
-  Scene scene = columns({0, 10, 20}, 2);
+  Scene scene = sleeping_columns({0, 10, 20}, 2);
   scene.bodies[5].position.z() = 40;  // falling
   World world(scene, options());
   EXPECT_TRUE(world.measure().can_sleep);
@@ -362,7 +255,7 @@ TEST_P(Sleepers, AreCountedAndDrawn) {
 }
 
 TEST_P(Sleepers, OffTheyCostNothing) {
-  Scene off = columns({0, 2}, 3), on = off;
+  Scene off = sleeping_columns({0, 2}, 3), on = off;
   off.physics.sleep.reset();
   Scene listed = on;
   listed.physics.effects = Effects{.gravity = true, .rotation = true, .friction = true};
@@ -393,8 +286,8 @@ TEST_P(Sleepers, APileOfThousandsSleepsWholeAndWakesWhereItIsTouched) {
   scene.materials[0].rolling_resistance = 0.1;  // without it, bodies roll in bowls for ever
   scene.materials[0].restitution = 0.2;
   World world(scene, options());
-  while (count(world) < 5000 && world.steps() < 400) world.step(25);
-  ASSERT_EQ(count(world), 5000) << "12 s after they were dropped";
+  while (count_asleep(world) < 5000 && world.steps() < 400) world.step(25);
+  ASSERT_EQ(count_asleep(world), 5000) << "12 s after they were dropped";
   const std::uint64_t hash = world.state_hash();
   const StepStats rest = world.measure();
   EXPECT_EQ(rest.kinetic_energy, 0);
@@ -415,12 +308,12 @@ TEST_P(Sleepers, APileOfThousandsSleepsWholeAndWakesWhereItIsTouched) {
   int awake = 1;
   for (int step = 0; step < 40 && awake == 1; ++step) {
     other.step();
-    awake = 5000 - count(other);
+    awake = 5000 - count_asleep(other);
   }
   EXPECT_GT(awake, 2500) << "most are one island, and wake as one";
   EXPECT_LT(awake, 5000) << "some lie by themselves, and sleep on";
   other.step(3);
-  const std::vector<bool> asleep = sleepers(other);
+  const std::vector<bool> asleep = bodies_asleep(other);
   const BodyStates after = other.bodies();
   for (std::size_t i = 0; i < 5000; ++i) EXPECT_TRUE(!asleep[i] || after.position[i] == at[i]) << i;
   EXPECT_GT(other.measure().kinetic_energy, 0);
