@@ -98,7 +98,8 @@ class World {
   /// 64-bit hash of the state. Equal exactly if all bodies are bitwise equal (-0 = 0; all NaN are equal),
   /// apart from hash collisions.
   std::uint64_t state_hash();
-  /// Also a hash of all data that later states depend on: warm-start data, sleep timers, impulse sums.
+  /// state_hash(), and a hash that also contains warm-start data, sleep timers, what float angular velocities
+  /// lack (dynamics/wide_spin.h), and the sums of impulses. Waits for the device.
   StateHashes hashes();
   BodyStates bodies();
 

@@ -14,6 +14,7 @@
 #include "sim_cuda/solver/sleeping.h"
 #include "tests/executors.h"
 #include "tests/scenes.h"
+#include "tests/sleeping_scenes.h"
 
 namespace collidoscope {
 namespace {
@@ -223,25 +224,13 @@ TEST_P(Changes, ABodyFarAwayDisturbsNobody) {
 }
 
 TEST_P(Changes, SleepersWakeWhereSomethingTheyTouchedIsRemoved) {
-  Scene scene;
-  scene.physics.solver = Solver::soft_step;
-  scene.physics.sleep = Sleep{};
-  scene.materials[0].friction = 0.5;
-  scene.materials[0].restitution = 0.2;
-  scene.obstacles.push_back({});
-  for (const double x : {0.0, 10.0})
-    for (int k = 0; k < 3; ++k) scene.bodies.push_back(sphere(1, Vector3d(x, 0, 1 + 2 * k)));
+  const Scene scene = sleeping_columns({0, 10}, 3);
   World world(scene, options());
   world.step(60);
-  const auto asleep = [](World& w) {
-    std::vector<bool> list;
-    for (const std::uint32_t timer : w.state().warm_start.sleep_timer) list.push_back(timer == asleep_marker);
-    return list;
-  };
-  ASSERT_THAT(asleep(world), ElementsAre(true, true, true, true, true, true));
+  ASSERT_THAT(bodies_asleep(world), ElementsAre(true, true, true, true, true, true));
   const std::unique_ptr<World> next = world_after_change(world, removal({0}), options());
   next->step();
-  EXPECT_THAT(asleep(*next), ElementsAre(false, false, true, true, true));
+  EXPECT_THAT(bodies_asleep(*next), ElementsAre(false, false, true, true, true));
   next->step(30);
   EXPECT_LT(next->bodies().position[1].z(), 4) << "it has fallen by a body";
 }

@@ -7,7 +7,7 @@ namespace collidoscope {
 
 struct StateHashes {
   std::uint64_t bodies = 0;  ///< World::state_hash()
-  std::uint64_t full = 0;  ///< with all data that later states depend on, such as warm-start data; 0: unknown
+  std::uint64_t full = 0;    ///< of the whole state, with warm-start data; 0: unknown
 
   bool operator==(const StateHashes&) const = default;
 };
