@@ -117,7 +117,7 @@ int run_capture(const CaptureRequest& request, World& world, const std::vector<B
     throw InputError(
         fmt::format("--states: {} is after the last frame, {}", states.back(), frames.size() - 1));
   const auto log = [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); };
-  const EglContext context(world.info().gpu);
+  const EglContext context(request.drawing_gpu(world.info().gpu));
   for (const std::string& line : context.steps_down()) log(line);
 
   int width = request.width, height = request.height;  // of the 3D view

@@ -67,12 +67,13 @@ std::int64_t World::steps() const { return run_->steps(); }
 double World::time() const { return run_->time(); }
 
 RunState World::state() { return run_->state(); }
+CopiedRunState World::copy_state() { return run_->copy_state(); }
 void World::restore(World& other) { restore(other.state()); }
 void World::restore(const RunState& other, const BodyIdMap& ids) { run_->restore(other, ids); }
 void World::mark() { run_->mark(); }
 bool World::rewind() { return run_->rewind(); }
 std::uint64_t World::state_hash() { return run_->pipeline().state_hash(); }
-StateHashes World::hashes() { return run_->pipeline().hashes(); }
+StateHashes World::hashes() { return run_->records.hashes(); }
 BodyStates World::bodies() { return run_->pipeline().bodies(); }
 
 void World::detect() { run_->detect(); }

@@ -81,6 +81,8 @@ class World {
 
   /// Copies the state of the run to the host; waits for the device.
   RunState state();
+  /// state() in two parts: the second one, CopiedRunState::complete(), may run on another thread.
+  CopiedRunState copy_state();
   /// Takes over the state of another world, for example after a change of settings. Copies the state of
   /// common bodies, the step count, the static impulses, and the warm-start data of a solver of the same
   /// kind. Executor, precision and settings may differ.

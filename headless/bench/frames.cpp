@@ -59,7 +59,7 @@ class PanelBench {
   PanelBench(const Scene& scene, const Options& options)
       : request_(options.capture),
         live_(scene, options.run),
-        context_(live_.world().info().gpu),
+        context_(request_.drawing_gpu(live_.world().info().gpu)),
         log_([](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); }),
         options_(live_options(request_.draw, context_.software(),
                               static_cast<std::int64_t>(live_.world().initial().size()))),

@@ -38,7 +38,7 @@ class WindowLoop {
  public:
   WindowLoop(const Scene& scene, const Options& options)
       : live_(scene, options.run),
-        context_(live_.world().info().gpu),
+        context_(options.capture.drawing_gpu(live_.world().info().gpu)),
         width_(options.capture.width),
         height_(options.capture.height),
         font_size_(workspace_font_size(width_, height_, 1)),

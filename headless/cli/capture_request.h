@@ -20,6 +20,9 @@ struct CaptureRequest {
   bool timings = false;            ///< stage times as measured; else drawn as a dash, so that pictures repeat
   DisplayPath display_path = DisplayPath::automatic;
   DrawRequest draw;
+  std::int64_t draw_gpu = -1;  ///< CUDA device that draws; -1: the one that simulates
+
+  int drawing_gpu(int simulating) const { return draw_gpu >= 0 ? static_cast<int>(draw_gpu) : simulating; }
 };
 
 /// Each throws InputError with lines that begin with `where`.

@@ -241,6 +241,8 @@ std::vector<Flag> all_flags() {
        {"--size", "WxH", "width and height of a picture in pixels", parsed<parse_size, capture>},
        {"--display-path", "NAME", "auto, interop, copy or upload: transfer of simulation data to OpenGL",
         parsed<parse_display_path, capture, &CaptureRequest::display_path>},
+       {"--draw-gpu", "I", "CUDA device number of the GPU that draws; default: the one that simulates",
+        whole<0, 1023, capture, &CaptureRequest::draw_gpu>},
        {"--quality", "NAME", "full, quick or auto; quick has no ambient occlusion and hard shadows",
         parsed<parse_quality, capture, draw, &DrawRequest::light>},
        {"--supersample", "K", "K x K samples per pixel of the 3D view, 1 to 4, or auto",

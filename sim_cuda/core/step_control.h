@@ -18,7 +18,8 @@ struct StepControl {
   std::uint32_t uncoloured_contacts;  ///< contacts beyond the last colour
   std::uint32_t bounce_caps;  ///< substeps of this run in which impacts needed more sweeps than allowed
   std::uint32_t pairs_committed, contacts_committed, uncoloured_committed,
-      bounce_caps_committed;  ///< of the last committed run
+      bounce_caps_committed;   ///< of the last committed run
+  std::uint64_t hash_sums[2];  ///< of the state after the last run; see StateHashes. 0 if not computed
 };
 
 }  // namespace collidoscope

@@ -180,16 +180,12 @@ struct AddHashes {
 
 template <class Real>
 Measurer<Real>::Measurer(Executor& executor)
-    : executor_(executor),
-      sums_(executor, "sums"),
-      largest_(executor, "extremes"),
-      hashes_(executor, "hashes") {}
+    : executor_(executor), sums_(executor, "sums"), largest_(executor, "extremes") {}
 
 template <class Real>
 void Measurer<Real>::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
   sums_.resize_discarding(reduce_scratch_size(bodies));
   largest_.resize_discarding(reduce_scratch_size(contact_capacity));
-  hashes_.resize_discarding(2);
 }
 
 template <class Real>
@@ -238,25 +234,13 @@ void Measurer<Real>::measure(const MeasureSource<Real>& source, StepStats& stats
 }
 
 template <class Real>
-std::uint64_t Measurer<Real>::state_hash(const BodyView<Real>& bodies, std::int64_t body_count) {
-  return hashes(bodies, body_count, nullptr, {}).bodies;
-}
-
-template <class Real>
-StateHashes Measurer<Real>::hashes(const BodyView<Real>& bodies, std::int64_t body_count,
-                                   const Vector3<float>* low, const HashedArrays& others) {
-  const std::int64_t items = body_count + others.items();
-  if (items == 0) return {0, 1};
-  const std::int64_t per_lane = executor_.on_device() ? 8 : 512, lanes = (items + per_lane - 1) / per_lane;
-  executor_.fill(hashes_.data(), 0, hashes_.bytes());
-  executor_.run(
-      "hash", lanes,
-      AddHashes<Real>{
-          {bodies, low, body_count, others}, items, lanes, per_lane, executor_.on_device(), hashes_.data()});
-  std::uint64_t sums[2];
-  executor_.copy_to_host(sums, hashes_.data(), sizeof sums);
-  const std::uint64_t full = mix64(sums[0] ^ mix64(sums[1]));
-  return {sums[0], full != 0 ? full : 1};
+void Measurer<Real>::add_hashes(const char* stage, const BodyView<Real>& bodies, std::int64_t body_count,
+                                const Vector3<float>* low, const HashedArrays& others, std::uint64_t* sums) {
+  const std::int64_t items = body_count + others.items(), per_lane = executor_.on_device() ? 8 : 512,
+                     lanes = (items + per_lane - 1) / per_lane;
+  executor_.run(stage, lanes,
+                AddHashes<Real>{
+                    {bodies, low, body_count, others}, items, lanes, per_lane, executor_.on_device(), sums});
 }
 
 void add(const JointSums& sums, std::int64_t count, StepStats& stats) {

@@ -7,7 +7,6 @@
 
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/core/hashed_arrays.h"
-#include "sim_cuda/core/state_hashes.h"
 #include "sim_cuda/dynamics/attractor.h"
 #include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/measure/step_stats.h"
@@ -60,7 +59,7 @@ struct MeasureSource {
 void add(const JointSums& sums, std::int64_t count, StepStats& stats);
 void add(const SleepSums& sums, StepStats& stats);
 
-/// Owns the scratch buffers of the sums; one per world. Its functions wait for the device.
+/// Owns the scratch buffers of the sums; one per world. measure() waits for the device.
 template <class Real>
 class Measurer {
  public:
@@ -69,18 +68,16 @@ class Measurer {
   void reserve(std::int64_t bodies, std::int64_t contact_capacity);
   /// Fills `stats` except the counts of the step. Without bodies, `stats` stays unchanged.
   void measure(const MeasureSource<Real>& source, StepStats& stats);
-  /// Sum modulo 2^64 over the bodies of a hash of (id, x, q, v, w as bits), independent of the order of
-  /// summation. Quantities that are not stored count as q = 1, w = 0. 0 without bodies.
-  std::uint64_t state_hash(const BodyView<Real>& bodies, std::int64_t body_count);
-  /// Also hashes `others`. `low`: of the angular velocities (wide_spin.h); may be null.
-  StateHashes hashes(const BodyView<Real>& bodies, std::int64_t body_count, const Vector3<float>* low,
-                     const HashedArrays& others);
+  /// Launches a stage that adds hashes to two sums, modulo 2^64. The first one: over the bodies, of
+  /// (id, x, q, v, w as bits). Quantities that are not stored count as q = 1, w = 0. The second one: of
+  /// `low`, which the angular velocities lack (wide_spin.h; may be null), and of `others`. Does not wait.
+  void add_hashes(const char* stage, const BodyView<Real>& bodies, std::int64_t body_count,
+                  const Vector3<float>* low, const HashedArrays& others, std::uint64_t* sums);
 
  private:
   Executor& executor_;
   Buffer<BodySums> sums_;
   Buffer<Largest> largest_;
-  Buffer<std::uint64_t> hashes_;
 };
 
 }  // namespace collidoscope

@@ -35,6 +35,7 @@ void Recorder::write_hashes() {
 }
 
 void Recorder::record_step(World& world) {
+  world.records().record_hashes(true);
   hashes_.push_back(world.hashes());
   if (world.steps() - keyframe_step_ >= min_keyframe_steps &&
       seconds_since(since_keyframe_) > 10 * keyframe_seconds_)

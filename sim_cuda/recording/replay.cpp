@@ -93,6 +93,7 @@ class Replayed {
                                          recording_.place(event), before);
         return;
       }
+      world_.records().record_hashes(true);
       StateHashes actual = world_.hashes();
       if (event.version == 1 && recorded.full != 0) actual.full = full_hash(world_.state());
       compare(event, recorded.bodies, actual.bodies, "hash");

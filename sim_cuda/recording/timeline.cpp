@@ -24,6 +24,7 @@ Timeline::Timeline(std::int64_t budget) : budget_(budget) {}
 void Timeline::begin(World& world) { begin(Kept(*keyframe_of(world, true).kept)); }
 
 void Timeline::begin(Kept first) {
+  packing_ = {};
   keyframes_.clear();
   trail_.clear();
   hashes_.clear();
@@ -42,7 +43,32 @@ Timeline::Keyframe Timeline::keyframe_of(World& world, bool is_change) {
   return keyframe;
 }
 
+/// Adds a keyframe of the last state, now or when another thread has packed it.
+void Timeline::begin_keyframe(World& world) {
+  end_keyframe();
+  // On the CPU, another thread would take time from the simulation.
+  if (!world.info().on_gpu) return add(keyframe_of(world, false));
+  const auto start = std::chrono::steady_clock::now();
+  packing_ =
+      std::async(std::launch::async, [scene = keyframes_.back().kept->scene, copied = world.copy_state(),
+                                      hash = world.hashes().bodies]() mutable {
+        return Keyframe{std::make_shared<const Kept>(Kept{scene, CompactState(copied.complete()), hash}),
+                        false};
+      }).share();
+  seconds_ = 0;
+  cost_ = seconds_since(start);
+}
+
+/// Waits for the keyframe that another thread packs, if any, and adds it.
+void Timeline::end_keyframe() {
+  if (!packing_.valid()) return;
+  const double seconds = seconds_;
+  add(std::exchange(packing_, {}).get());
+  seconds_ = seconds;
+}
+
 void Timeline::add(Keyframe keyframe) {
+  end_keyframe();
   // The state before a change cannot be reached any more.
   while (!keyframes_.empty() && keyframes_.back().state() == keyframe.state()) {
     keyframe.is_change |= keyframes_.back().is_change;
@@ -56,6 +82,7 @@ void Timeline::add(Keyframe keyframe) {
 }
 
 void Timeline::set_budget(std::int64_t budget) {
+  end_keyframe();
   budget_ = budget;
   fit_budget();
 }
@@ -89,18 +116,23 @@ void Timeline::thin_out() {
 }
 
 void Timeline::record_step(World& world, double seconds) {
+  world.records().record_hashes(true);
   hashes_.push_back(world.hashes());
   seconds_ += seconds;
+  if (packing_.valid() && packing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+    end_keyframe();
   constexpr double most = 0.1;  // share of the time
-  if (seconds_ >= std::max(interval_, cost_ / most)) add(keyframe_of(world, false));
+  if (seconds_ >= std::max(interval_, cost_ / most)) begin_keyframe(world);
 }
 
 void Timeline::record_change(World& world) {
+  end_keyframe();
   trail_.clear();
   add(keyframe_of(world, true));
 }
 
 void Timeline::forget_after(std::int64_t step) {
+  end_keyframe();
   trail_.clear();
   hashes_.resize(static_cast<std::size_t>(step - first()));
   while (keyframes_.back().state() > step) {
@@ -122,6 +154,7 @@ bool Timeline::is_change(std::int64_t step) const {
 }
 
 std::unique_ptr<World> Timeline::world_at(std::int64_t step, const RunOptions& options) {
+  end_keyframe();
   const Keyframe& keyframe = *keyframe_at_or_before(step);
   std::shared_ptr<const Kept> from = keyframe.kept;
   // A trail does not cross a change, since changes are keyframes.

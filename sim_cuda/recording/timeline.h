@@ -3,6 +3,7 @@
 // simulated again, with the same bits. Owned by the class that steps the run.
 
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,7 +39,8 @@ class Timeline {
   /// Begins at the present state of the world. Forgets everything before.
   void begin(World& world);
   void begin(Kept first);
-  /// Call after each step from the last state. `seconds`: that it took.
+  /// Call after each step from the last state. `seconds`: that it took. Further steps of the world compute
+  /// the hashes. A keyframe of a world on a GPU is packed by another thread.
   void record_step(World& world, double seconds);
   /// Call after a change was made at the last state, and after a step in which guards froze bodies.
   void record_change(World& world);
@@ -64,6 +66,7 @@ class Timeline {
   void check(World& world) const;
   bool agrees(World& world) const;
 
+  /// Without a keyframe that is still being packed, like keyframes().
   std::int64_t bytes() const { return bytes_; }
   /// Ascending; at least one after begin().
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
@@ -76,6 +79,8 @@ class Timeline {
 
  private:
   Keyframe keyframe_of(World& world, bool is_change);
+  void begin_keyframe(World& world);
+  void end_keyframe();
   std::optional<std::string> difference(World& world) const;
   void fit_budget();
   void thin_out();
@@ -89,7 +94,8 @@ class Timeline {
   std::vector<StateHashes> hashes_;                 ///< see hashes()
   double seconds_ = 0;                              ///< of the steps since the last keyframe
   double interval_ = keyframe_seconds;
-  double cost_ = 0;  ///< of the last keyframe, s
+  double cost_ = 0;                       ///< of the last keyframe, on the thread of the run, s
+  std::shared_future<Keyframe> packing_;  ///< a keyframe that another thread packs, after the others
 };
 
 }  // namespace collidoscope

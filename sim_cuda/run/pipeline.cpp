@@ -18,10 +18,11 @@ namespace collidoscope {
 
 namespace {
 
-/// Commits a run: counts it and copies its counts, unless it overflowed.
+/// Commits a run: counts it and copies its counts, unless it overflowed. Prepares the sums of hashes.
 struct Commit {
   StepControl* control;
   SIM_HD void operator()(int) const {
+    control->hash_sums[0] = control->hash_sums[1] = 0;
     if (control->overflow) return;
     ++control->committed;
     control->pairs_committed = control->pairs;
@@ -50,6 +51,7 @@ class TypedPipeline final : public Pipeline {
     };
     validator_ ? validator_->run_validated(guarded(), stages) : stages();
     executor_.run("move", 1, Commit{control_.data()});
+    if (records_hashes_) add_hashes("hashes", control_.data()->hash_sums);
   }
   int runs_per_step() const override { return solver_->runs_per_step(); }
   void before_writing(std::function<void(const StepControl&)> callback) override {
@@ -139,7 +141,7 @@ class TypedPipeline final : public Pipeline {
   }
   void disable_guards() override { validator_.reset(); }
 
-  WarmStart save_warm_start() override { return solver_->save_warm_start(); }
+  void save_warm_start(WarmStartParts& parts) override { solver_->save_warm_start(parts); }
   void load_warm_start(const WarmStart& warm_start) override { solver_->load_warm_start(warm_start); }
 
   StepControl control() override {  // no allocation, so it works after an out-of-memory error
@@ -180,15 +182,17 @@ class TypedPipeline final : public Pipeline {
     if (joints_) add(joints_->measure(), joints_->count(), stats);
     if (const Sleeping<Real>* sleeping = solver_->sleeping()) add(sleeping->measure(), stats);
   }
-  std::uint64_t state_hash() override { return measurer_.state_hash(state_.view(), body_count_); }
-  StateHashes hashes() override {
-    HashedArrays others;
-    const Buffer<StaticImpulse>& sums = state_.bodies().static_impulses;
-    if (sums.size() > 0) others.add<double>(sums.data(), static_cast<std::int64_t>(sums.size()));
-    solver_->list_warm_start(others);
-    return measurer_.hashes(state_.view(), body_count_, state_.bodies().angular_velocity_low.data(), others);
+  std::uint64_t state_hash() override {
+    return hash_sums([&](std::uint64_t* sums) {
+             measurer_.add_hashes("hash", state_.view(), body_count_, nullptr, {}, sums);
+           })
+        .bodies;
   }
-  BodyStates bodies() override { return state_.download(); }
+  void record_hashes(bool on) override { records_hashes_ = on; }
+  StateHashes hashes() override {
+    return hash_sums([&](std::uint64_t* sums) { add_hashes("hash", sums); });
+  }
+  void save_bodies(DeferredParts<BodyStates>& parts) override { state_.download(parts); }
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() override;
   void publish(const PublishTarget& target, const TreeView& tree, const TreeValues& values,
                const float* errors) override {
@@ -210,6 +214,22 @@ class TypedPipeline final : public Pipeline {
   }
 
  private:
+  void add_hashes(const char* stage, std::uint64_t* sums) {
+    HashedArrays others;
+    const Buffer<StaticImpulse>& impulses = state_.bodies().static_impulses;
+    if (impulses.size() > 0) others.add<double>(impulses.data(), static_cast<std::int64_t>(impulses.size()));
+    solver_->list_warm_start(others);
+    measurer_.add_hashes(stage, state_.view(), body_count_, state_.bodies().angular_velocity_low.data(),
+                         others, sums);
+  }
+  template <class Add>
+  StateHashes hash_sums(const Add& add) {
+    std::uint64_t* const sums = control_.data()->hash_sums;
+    executor_.fill(sums, 0, sizeof(StepControl::hash_sums));
+    add(sums);
+    return StateHashes::of(control().hash_sums);
+  }
+
   ItemCount contact_count() const { return ItemCount(&control_.data()->contacts, contacts_.capacity()); }
   ExcludedPairs excluded_pairs() const { return joints_ ? joints_->excluded_pairs() : ExcludedPairs{}; }
   ValidationSource<Real> guarded() const {
@@ -235,6 +255,7 @@ class TypedPipeline final : public Pipeline {
   std::unique_ptr<StageValidator<Real>> validator_;  // null if the effect is off
   std::function<void(const StepControl&)> before_writing_;
   Measurer<Real> measurer_;
+  bool records_hashes_ = false;
   Buffer<std::uint32_t> publish_counts_;
 };
 
@@ -317,6 +338,14 @@ std::vector<ContactImpulse> TypedPipeline<Real>::impulses() {
 }
 
 }  // namespace
+
+BodyStates Pipeline::bodies() {
+  DeferredParts<BodyStates> parts;
+  save_bodies(parts);
+  BodyStates states;
+  parts.complete(states);
+  return states;
+}
 
 std::unique_ptr<Pipeline> make_pipeline(Executor& executor, const std::string& broad_phase,
                                         const Scene& scene, const InitialBodies& bodies, Effects effects,

@@ -86,7 +86,12 @@ class Pipeline {
   virtual void measure(StepStats& stats) = 0;
   virtual std::uint64_t state_hash() = 0;
   virtual StateHashes hashes() = 0;
-  virtual BodyStates bodies() = 0;
+  /// Each further run computes the hashes of the state after it (StepControl::hash_sums). Runs must be
+  /// recorded again afterwards.
+  virtual void record_hashes(bool on) = 0;
+  /// Copies the state of the bodies to the host; waits for the device.
+  virtual void save_bodies(DeferredParts<BodyStates>& parts) = 0;
+  BodyStates bodies();
   virtual std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs() = 0;
   /// `errors`: by id, m; null: none.
   virtual void publish(const PublishTarget& target, const TreeView& tree, const TreeValues& values,
@@ -98,7 +103,7 @@ class Pipeline {
   /// impulses if both worlds have walls.
   virtual void set_bodies(const BodyStates& states, const std::vector<StaticImpulse>& static_impulses) = 0;
   /// Warm-start data of the solver; load replaces them by those of another world.
-  virtual WarmStart save_warm_start() = 0;
+  virtual void save_warm_start(WarmStartParts& parts) = 0;
   virtual void load_warm_start(const WarmStart& warm_start) = 0;
   virtual BodyReport inspect(std::uint32_t id, const TreeView& tree) = 0;
 };

@@ -1,6 +1,7 @@
 #include "sim_cuda/run/run_state.h"
 
 #include <type_traits>
+#include <utility>
 
 #include "sim_cuda/core/hash.h"
 #include "sim_cuda/scene/placed_joint.h"
@@ -151,6 +152,12 @@ RunState remap_bodies(const RunState& state, const BodyIdMap& ids, BodyStates fr
     moved.bodies.angular_velocity[ids[body]] = state.bodies.angular_velocity[body];
   }
   return moved;
+}
+
+RunState CopiedRunState::complete() {
+  bodies.complete(known.bodies);
+  warm_start.complete(known.warm_start);
+  return std::move(known);
 }
 
 std::uint64_t settings_hash(Scene scene) {

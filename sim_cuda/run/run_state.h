@@ -25,6 +25,16 @@ struct RunState {
   double time = 0;
 };
 
+/// A RunState whose arrays have been copied to the host, and are still to be widened.
+struct CopiedRunState {
+  RunState known;
+  DeferredParts<BodyStates> bodies;
+  WarmStartParts warm_start;
+
+  /// The whole state. Runs on any thread, once.
+  RunState complete();
+};
+
 /// Hash of all settings except the bodies; 0 if the scene has no sleeping.
 std::uint64_t settings_hash(Scene scene);
 

@@ -156,6 +156,7 @@ std::optional<FirstViolation> Simulation::advance() {
       run.records.step_made();
     }
   } count_step{*this, runner_.next()};
+  records.begin_step();
   undo_.begin_step(runner_.pipeline().runs_per_step());
   try {
     const std::optional<FirstViolation> found =
@@ -199,14 +200,16 @@ void Simulation::detect() {
 
 // ---- state ----
 
-RunState Simulation::state() {
-  return {steps_,
-          pipeline().bodies(),
-          pipeline().static_impulses(),
-          pipeline().save_warm_start(),
-          settings_hash(scene),
-          validation.frozen(),
-          time()};
+CopiedRunState Simulation::copy_state() {
+  CopiedRunState copied;
+  copied.known.steps = steps_;
+  copied.known.static_impulses = pipeline().static_impulses();
+  copied.known.settings = settings_hash(scene);
+  copied.known.frozen = validation.frozen();
+  copied.known.time = time();
+  pipeline().save_bodies(copied.bodies);
+  pipeline().save_warm_start(copied.warm_start);
+  return copied;
 }
 
 void Simulation::restore(const RunState& other, const BodyIdMap& ids) {

@@ -33,7 +33,8 @@ class Simulation {
 
   // See World.
   void step(int count);
-  RunState state();
+  CopiedRunState copy_state();
+  RunState state() { return copy_state().complete(); }
   void restore(const RunState& other, const BodyIdMap& ids = {});
   void mark();
   bool rewind();

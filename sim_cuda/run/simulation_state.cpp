@@ -238,30 +238,32 @@ SolverScene<Real> SimulationState<Real>::solver_scene(const Scene& scene, int su
 }
 
 template <class Real>
-BodyStates SimulationState<Real>::download() const {
+void SimulationState<Real>::download(DeferredParts<BodyStates>& parts) const {
   const auto widened = [](const auto& narrow) {
     std::vector<Vector3d> wide(narrow.size());
     for (std::size_t i = 0; i < narrow.size(); ++i)
       wide[i] = Vector3<Real>(narrow[i]).template cast<double>();
     return wide;
   };
-  BodyStates states;
-  const auto n = static_cast<std::size_t>(body_count_);
-  states.position = widened(bodies_.position.download());
-  states.velocity = widened(bodies_.velocity.download());
-  states.angular_velocity.assign(n, Vector3d(0, 0, 0));
-  states.orientation.assign(n, Quaterniond(1, 0, 0, 0));
-  if (effects_.rotation) {
-    states.angular_velocity = widened(bodies_.angular_velocity.download());
-    const auto q = bodies_.orientation.download();
-    for (std::size_t i = 0; i < n; ++i) states.orientation[i] = q[i].template cast<double>();
-    const std::vector<Vector3<float>> low = bodies_.angular_velocity_low.download();
+  parts.add([widened, n = static_cast<std::size_t>(body_count_), position = bodies_.position.download(),
+             velocity = bodies_.velocity.download()](BodyStates& states) {
+    states.position = widened(position);
+    states.velocity = widened(velocity);
+    states.angular_velocity.assign(n, Vector3d(0, 0, 0));
+    states.orientation.assign(n, Quaterniond(1, 0, 0, 0));
+  });
+  if (!effects_.rotation) return;
+  parts.add([widened, angular_velocity = bodies_.angular_velocity.download(),
+             orientation = bodies_.orientation.download(),
+             low = bodies_.angular_velocity_low.download()](BodyStates& states) {
+    states.angular_velocity = widened(angular_velocity);
+    for (std::size_t i = 0; i < orientation.size(); ++i)
+      states.orientation[i] = orientation[i].template cast<double>();
     for (std::size_t i = 0; i < low.size(); ++i) {
       Vector3d& w = states.angular_velocity[i];
       w = joined(w.cast<float>(), low[i]);
     }
-  }
-  return states;
+  });
 }
 
 template <class Real>

@@ -51,7 +51,7 @@ class SimulationState {
                                  Joints<Real>* joints) const;
 
   // Copies from and to the host; call outside of runs.
-  BodyStates download() const;
+  void download(DeferredParts<BodyStates>& parts) const;
   /// Overwrites bodies 0 to states.position.size() - 1. Also sets their static impulses if both worlds have
   /// walls.
   void upload(const BodyStates& states, const std::vector<StaticImpulse>& static_impulses);

@@ -167,12 +167,12 @@ bool StepRunner::run_timed(std::uint32_t target) {
     StepGraph& g = graph(true);
     launch(g);
     executor_.synchronize();
-    const StepControl control = pipeline_->control();
-    if (control.overflow) {
+    control_ = pipeline_->control();
+    if (control_.overflow) {
       executor_.clock().discard_step();
       return false;
     }
-    committed_ = control.committed;
+    committed_ = control_.committed;
     g.collect();
   }
   executor_.clock().commit_step();
@@ -185,9 +185,9 @@ bool StepRunner::run_plain(std::uint32_t target) {
   const double milliseconds = milliseconds_of(executor_, [&] {
     for (std::uint32_t run = committed_; run != target; ++run) launch(g);
   });
-  const StepControl control = pipeline_->control();
-  committed_ = control.committed;
-  if (control.overflow) return false;
+  control_ = pipeline_->control();
+  committed_ = control_.committed;
+  if (control_.overflow) return false;
   if (whole) executor_.clock().add_plain_step(milliseconds);
   return true;
 }

@@ -28,6 +28,8 @@ class StepRunner {
   /// first, then `make` creates the new one.
   void recreate(const std::function<std::unique_ptr<Pipeline>()>& make);
 
+  /// After the last complete step.
+  const StepControl& control() const { return control_; }
   /// Number of committed pipeline runs, modulo 2^32.
   std::uint32_t committed() const { return committed_; }
   /// Value of committed() after one more step.
@@ -57,6 +59,7 @@ class StepRunner {
   std::unique_ptr<Pipeline> pipeline_;
   std::unique_ptr<StepGraph> plain_, timed_;
   std::uint32_t committed_ = 0;
+  StepControl control_{};
   bool is_unusable_ = false;  ///< the state is lost, or memory for existing lists is missing
 };
 

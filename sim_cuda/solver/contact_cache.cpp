@@ -44,14 +44,18 @@ StoreImpulses<Real> ContactCache<Real>::store_stage(const Pair* contacts, const 
 }
 
 template <class Real>
-void ContactCache<Real>::save(WarmStart& warm_start) const {
+void ContactCache<Real>::save(WarmStartParts& parts) const {
   const std::size_t count = size();
-  const std::vector<Pair> contacts = previous_contacts_.download(count);
-  const std::vector<Real> impulse = previous_impulse_.download(count);
-  warm_start.contacts.reserve(count);
-  for (std::size_t k = 0; k < count; ++k)
-    warm_start.contacts.push_back({contacts[k].a, contacts[k].b, static_cast<double>(impulse[k])});
-  if (with_friction_) warm_start.friction = widened_vectors<Real>(previous_friction_.download(count), count);
+  parts.add([count, contacts = previous_contacts_.download(count),
+             impulse = previous_impulse_.download(count)](WarmStart& warm_start) {
+    warm_start.contacts.reserve(count);
+    for (std::size_t k = 0; k < count; ++k)
+      warm_start.contacts.push_back({contacts[k].a, contacts[k].b, static_cast<double>(impulse[k])});
+  });
+  if (with_friction_)
+    parts.add([friction = previous_friction_.download(count)](WarmStart& warm_start) {
+      warm_start.friction = widened_vectors<Real>(friction, friction.size());
+    });
 }
 
 template <class Real>

@@ -82,7 +82,7 @@ class ContactCache {
   std::size_t size() const {
     return previous_count_.download()[0];
   }  ///< number of cached contacts; waits for the device
-  void save(WarmStart& warm_start) const;
+  void save(WarmStartParts& parts) const;
   void load(const WarmStart& warm_start);
   void visit(const ArrayVisitor& visit) const;
   void list(HashedArrays& arrays) const;

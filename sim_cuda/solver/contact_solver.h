@@ -86,9 +86,8 @@ class ContactSolver {
   /// Sleep state; null without the effect sleeping.
   virtual const Sleeping<Real>* sleeping() const { return nullptr; }
 
-  /// Copies the warm-start data to the host; waits for the device. Empty for a solver without warm
-  /// starting.
-  virtual WarmStart save_warm_start() const { return {}; }
+  /// Copies the warm-start data to the host; waits for the device. None for a solver without warm starting.
+  virtual void save_warm_start(WarmStartParts&) const {}
   /// Loads the warm-start data of another solver of a scene with these bodies. Contact impulses are always
   /// used; plane impulses only if the number of planes agrees. Call outside of runs; runs must be recorded
   /// again afterwards.

@@ -34,12 +34,15 @@ void PlaneContacts<Real>::activate_all() {
 }
 
 template <class Real>
-void PlaneContacts<Real>::save(WarmStart& warm_start) const {
-  const std::vector<Real> walls = impulse_.download();
-  for (auto plane = walls.begin(); plane != walls.end(); plane += scene_.body_count)
-    warm_start.walls.emplace_back(plane, plane + scene_.body_count);
+void PlaneContacts<Real>::save(WarmStartParts& parts) const {
+  parts.add([bodies = scene_.body_count, walls = impulse_.download()](WarmStart& warm_start) {
+    for (auto plane = walls.begin(); plane != walls.end(); plane += bodies)
+      warm_start.walls.emplace_back(plane, plane + bodies);
+  });
   if (scene_.effects.friction)
-    warm_start.wall_friction = widened_vectors<Real>(friction_.download(), friction_.size());
+    parts.add([friction = friction_.download()](WarmStart& warm_start) {
+      warm_start.wall_friction = widened_vectors<Real>(friction, friction.size());
+    });
 }
 
 template <class Real>

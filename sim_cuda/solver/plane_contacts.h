@@ -42,7 +42,7 @@ class PlaneContacts {
   const ContactPlane<Real>* box_planes() const { return box_planes_.data(); }
   Vector3<Real>* friction() const { return friction_.size() > 0 ? friction_.data() : nullptr; }  ///< N s
 
-  void save(WarmStart& warm_start) const;
+  void save(WarmStartParts& parts) const;
   /// Loads nothing if the number of surfaces differs.
   void load(const WarmStart& warm_start);
   void visit(const ArrayVisitor& visit) const;

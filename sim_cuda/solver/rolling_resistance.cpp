@@ -4,6 +4,7 @@
 
 #include "sim_cuda/dynamics/awake.h"
 #include "sim_cuda/solver/friction.h"
+#include "sim_cuda/solver/wide_vectors.h"
 
 namespace collidoscope {
 
@@ -147,14 +148,6 @@ struct StoreRollingImpulses {
 };
 
 template <class Real>
-std::vector<std::array<double, 3>> widened(const std::vector<Vector3<Real>>& vectors) {
-  std::vector<std::array<double, 3>> wide;
-  for (const Vector3<Real>& v : vectors)
-    wide.push_back({static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())});
-  return wide;
-}
-
-template <class Real>
 void narrow(const std::vector<std::array<double, 3>>& wide, std::vector<Vector3<Real>>& narrow) {
   for (std::size_t k = 0; k < std::min(wide.size(), narrow.size()); ++k)
     for (int axis = 0; axis < 3; ++axis)
@@ -221,10 +214,13 @@ void RollingResistance<Real>::store_impulses(const RollingSource<Real>& source) 
 }
 
 template <class Real>
-void RollingResistance<Real>::save_warm_start(std::size_t contacts, WarmStart& warm_start) const {
+void RollingResistance<Real>::save_warm_start(std::size_t contacts, WarmStartParts& parts) const {
   if (control_ == nullptr) return;
-  warm_start.rolling = widened<Real>(previous_impulse_.download(contacts));
-  warm_start.wall_rolling = widened<Real>(wall_impulse_.download());
+  parts.add([rolling = previous_impulse_.download(contacts),
+             walls = wall_impulse_.download()](WarmStart& warm_start) {
+    warm_start.rolling = widened_vectors<Real>(rolling, rolling.size());
+    warm_start.wall_rolling = widened_vectors<Real>(walls, walls.size());
+  });
 }
 
 template <class Real>

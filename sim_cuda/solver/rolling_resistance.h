@@ -77,7 +77,7 @@ class RollingResistance {
   void store_impulses(const RollingSource<Real>& source);
 
   /// See ContactSolver. `contacts`: number of cached contacts.
-  void save_warm_start(std::size_t contacts, WarmStart& warm_start) const;
+  void save_warm_start(std::size_t contacts, WarmStartParts& parts) const;
   void load_warm_start(const WarmStart& warm_start, std::size_t contact_capacity);
   void visit_warm_start(std::size_t contacts, const ArrayVisitor& visit) const {
     if (control_ == nullptr) return;

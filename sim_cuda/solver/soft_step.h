@@ -48,7 +48,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void record_residuals(bool on) override;
   std::vector<Residual> residuals() const override;
   const Sleeping<Real>* sleeping() const override { return scene_.effects.sleeping ? &sleeping_ : nullptr; }
-  WarmStart save_warm_start() const override;
+  void save_warm_start(WarmStartParts& parts) const override;
   void load_warm_start(const WarmStart& warm_start) override;
   void visit_warm_start(const ArrayVisitor& visit) override;
   void list_warm_start(HashedArrays& arrays) const override;

@@ -10,17 +10,17 @@ namespace collidoscope {
 // ---- warm-start data ----
 
 template <class Real>
-WarmStart SoftStepSolver<Real>::save_warm_start() const {
-  WarmStart warm_start;
-  if (scene_.joints) {
-    warm_start.joints = scene_.joints->save_warm_start();
-    warm_start.loop_energies = scene_.joints->save_loop_energies();
-  }
-  cache_.save(warm_start);
-  planes_.save(warm_start);
-  rolling_.save_warm_start(warm_start.contacts.size(), warm_start);
-  warm_start.sleep_timer = sleeping_.save_warm_start();
-  return warm_start;
+void SoftStepSolver<Real>::save_warm_start(WarmStartParts& parts) const {
+  if (scene_.joints)
+    parts.add([joints = scene_.joints->save_warm_start(),
+               loop_energies = scene_.joints->save_loop_energies()](WarmStart& warm_start) {
+      warm_start.joints = joints;
+      warm_start.loop_energies = loop_energies;
+    });
+  cache_.save(parts);
+  planes_.save(parts);
+  rolling_.save_warm_start(cache_.size(), parts);
+  parts.add([timer = sleeping_.save_warm_start()](WarmStart& warm_start) { warm_start.sleep_timer = timer; });
 }
 
 template <class Real>
@@ -73,13 +73,13 @@ std::vector<Residual> SoftStepSolver<Real>::residuals() const {
   return residuals;
 }
 
-template WarmStart SoftStepSolver<float>::save_warm_start() const;
+template void SoftStepSolver<float>::save_warm_start(WarmStartParts&) const;
 template void SoftStepSolver<float>::visit_warm_start(const ArrayVisitor&);
 template void SoftStepSolver<float>::list_warm_start(HashedArrays&) const;
 template void SoftStepSolver<float>::load_warm_start(const WarmStart&);
 template void SoftStepSolver<float>::record_residuals(bool);
 template std::vector<Residual> SoftStepSolver<float>::residuals() const;
-template WarmStart SoftStepSolver<double>::save_warm_start() const;
+template void SoftStepSolver<double>::save_warm_start(WarmStartParts&) const;
 template void SoftStepSolver<double>::visit_warm_start(const ArrayVisitor&);
 template void SoftStepSolver<double>::list_warm_start(HashedArrays&) const;
 template void SoftStepSolver<double>::load_warm_start(const WarmStart&);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim_cuda/core/deferred_parts.h"
 #include "sim_cuda/scene/joint.h"
 
 namespace collidoscope {
@@ -35,5 +36,8 @@ struct WarmStart {
   std::vector<WarmStartJoint> joints;      ///< in scene order
   std::vector<std::array<double, 2>> loop_energies;  ///< J, by group of joint loops; see LoopAllowance
 };
+
+/// Parts of a WarmStart whose arrays have been copied to the host, and are still to be widened.
+using WarmStartParts = DeferredParts<WarmStart>;
 
 }  // namespace collidoscope

@@ -12,6 +12,7 @@ template <class Real>
 std::vector<std::array<double, 3>> widened_vectors(const std::vector<Vector3<Real>>& vectors,
                                                    std::size_t count) {
   std::vector<std::array<double, 3>> wide;
+  wide.reserve(count);
   for (std::size_t k = 0; k < count; ++k)
     wide.push_back({static_cast<double>(vectors[k].x()), static_cast<double>(vectors[k].y()),
                     static_cast<double>(vectors[k].z())});
