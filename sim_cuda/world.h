@@ -36,6 +36,7 @@
 namespace collidoscope {
 
 struct RunState;
+struct CopiedRunState;
 class Simulation;
 
 class World {

@@ -3,6 +3,7 @@
 #include "sim_cuda/solver/soft_step.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/executors.h"
 #include "tests/scenes.h"
@@ -124,6 +125,32 @@ TEST_P(JacobiSplit, KeepsMomentumAndGainsNoEnergy) {
       EXPECT_NEAR(now.momentum[axis], before.momentum[axis], 1e-9 * before.momentum[0]);
   }
   EXPECT_GT(world.bodies().velocity[40].x(), 5) << "the middle one was hit";
+}
+
+TEST_P(JacobiSplit, AColumnHasTheStiffnessOfWholeBodies) {
+  constexpr int count = 6;
+  for (const Solver solver : {Solver::soft_step, Solver::jacobi_split}) {
+    Scene scene;
+    scene.physics.solver = solver;
+    scene.physics.precision = Precision::f64;
+    scene.physics.time_step = TimeStep::per_second(60);
+    scene.obstacles.push_back(Plane{});
+    for (int k = 0; k < count; ++k) {
+      Body body = sphere(0.5, Vector3d(0, 0, 0.5 + k));
+      body.mass = 2;
+      scene.bodies.push_back(body);
+    }
+    World world(scene, options());
+    world.step(600);
+    const BodyStates s = world.bodies();
+    const double omega = std::numbers::pi / 2 * 240;  // 1/s: a quarter of a turn per substep
+    for (std::size_t k = 0; k + 1 < count; ++k) {
+      const double load = static_cast<double>(count - 1 - k) * 2 * 9.81;  // N; effective mass: 1 kg
+      EXPECT_NEAR(1 - (s.position[k + 1].z() - s.position[k].z()), load / (omega * omega),
+                  0.01 * load / (omega * omega))
+          << name_of(solver_names, solver) << ' ' << k;
+    }
+  }
 }
 
 TEST_P(JacobiSplit, PilesComeToRestDeeperThanWithColours) {

@@ -66,7 +66,7 @@ TEST_P(Residuals, ATwoBodyContactIsSolvedByOneSweep) {
     // `impulse` applies the bounce within the iteration: 10 m/s of approach and 10 m/s of separation. A soft
     // contact yields slightly.
     const double all =
-        solver == Solver::impulse ? 2 * approach : approach * Softness<double>::of(1.0 / 30).mass_scale;
+        solver == Solver::impulse ? 2 * approach : approach * Softness<double>::of(1.0 / 30, 3).mass_scale;
     EXPECT_NEAR(residuals[0].rms, all, 1e-12);
     EXPECT_EQ(residuals[0].max, residuals[0].rms);
     for (std::size_t k = 1; k < 4; ++k) {

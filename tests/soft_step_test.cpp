@@ -91,7 +91,7 @@ TEST(Softness, ALoadSinksInByItsStiffness) {
   // In static equilibrium the spring alone carries the load: depth = load / (mass omega^2), load in N. The
   // relax iterations cancel the bias impulse, so at this depth the impulse no longer changes.
   const double h = 1.0 / 240, load = 7, mass = 3;
-  const Softness<double> softness = Softness<double>::of(h);
+  const Softness<double> softness = Softness<double>::of(h, 1);
   const double omega = 2 * 3.14159265358979323846 * Softness<double>::cycles_per_substep / h;
   SoftContact<double> contact{};
   contact.radius = 1;

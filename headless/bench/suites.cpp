@@ -30,11 +30,13 @@ constexpr Suite every[] = {
     {"timeline", "time to reach an earlier state of a run of 10,000 steps, and the cost of keyframes",
      "--repeats", bench_timeline},
     {"live", "step rate of a run in a window, over that of the run alone; frames per second",
-     "--repeats --layers --color --box-color --box-range --size --display-path --quality --supersample "
+     "--repeats --layers --color --box-color --box-range --size --display-path --draw-gpu --quality "
+     "--supersample "
      "--sphere-method",
      bench_live},
     {"frames", "frame time of the viewer: simulate, publish, draw, panels",
-     "--frames --layers --color --box-color --box-range --size --display-path --quality --supersample "
+     "--frames --layers --color --box-color --box-range --size --display-path --draw-gpu --quality "
+     "--supersample "
      "--sphere-method",
      bench_frames},
 };

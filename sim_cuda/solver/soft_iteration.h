@@ -30,8 +30,9 @@ template <class Real>
 struct Motions {
   Pair ids;
   const ContactBodies<Real>& bodies;
-  Vector3<Real> v_a, v_b;                                      ///< m/s
-  Real mass;                                                   ///< effective mass, kg
+  Vector3<Real> v_a, v_b;  ///< m/s
+  Real mass;               ///< effective mass, kg
+  Real parts;              ///< effective mass of the whole bodies over `mass`: 1 unless the bodies are split
   SIM_HD Vector3<Real> velocity() const { return v_b - v_a; }  ///< of b relative to a
   SIM_HD Real reach() const { return bodies.radius_a + bodies.radius_b; }
 };
@@ -50,7 +51,8 @@ struct Solve {
       contact.impulse = 0;
       return change;
     }
-    return contact.template solve<true>(motions.velocity().dot(contact.normal), motions.mass, softness);
+    return contact.template solve<true>(motions.velocity().dot(contact.normal), motions.mass,
+                                        motions.parts > 1 ? softness.of_parts(motions.parts) : softness);
   }
 };
 
@@ -221,7 +223,7 @@ struct Iteration {
   SIM_HD bool resolve(Operands& k, Motion& a, Motion& b) const {
     const Real w_a = k.bodies.inverse_mass_a, w_b = k.bodies.inverse_mass_b;
     const Real change =
-        act.solve_normal(k.contact, Motions<Real>{k.ids, k.bodies, a.v, b.v, 1 / (w_a + w_b)});
+        act.solve_normal(k.contact, Motions<Real>{k.ids, k.bodies, a.v, b.v, 1 / (w_a + w_b), 1});
     if (change != 0) {
       a.v -= change * w_a * k.contact.normal;
       b.v += change * w_b * k.contact.normal;
@@ -302,8 +304,9 @@ struct Iteration {
                n_b = static_cast<Real>(contacts.uncoloured.count[k.ids.b]);
     const Real w_a = k.bodies.inverse_mass_a, w_b = k.bodies.inverse_mass_b;
     const Vector3<Real> v_a = bodies.velocity[k.ids.a], v_b = bodies.velocity[k.ids.b], velocity = v_b - v_a;
+    const Real w = w_a * n_a + w_b * n_b;  // of the parts
     const Real change =
-        act.solve_normal(k.contact, Motions<Real>{k.ids, k.bodies, v_a, v_b, 1 / (w_a * n_a + w_b * n_b)});
+        act.solve_normal(k.contact, Motions<Real>{k.ids, k.bodies, v_a, v_b, 1 / w, w / (w_a + w_b)});
     contacts.uncoloured_change[place] = change;
     if constexpr (requires { Act::mostly_idle; })
       if (change != 0) act.mark(k.ids, k.bodies);

@@ -19,7 +19,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
     : executor_(executor),
       scene_(scene),
       h_(scene.time_step / static_cast<Real>(scene.substeps)),
-      softness_(Softness<Real>::of(h_)),
+      softness_(Softness<Real>::of(h_, scene.iterations)),
       colouring_(executor),
       coloured_(coloured),
       uncoloured_degrees_(executor),
