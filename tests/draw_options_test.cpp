@@ -16,8 +16,11 @@ TEST(DrawOptions, ALiveViewTakesWhatItCanAfford) {
 }
 
 TEST(DrawOptions, WhatIsAskedForIsDone) {
-  const DrawRequest request{.supersampling = 3, .light = Quality::full, .spheres = SphereMethod::quads};
-  const DrawOptions asked{3, Quality::full, SphereMethod::quads};
+  const DrawRequest request{.supersampling = 3,
+                            .light = Quality::full,
+                            .spheres = SphereMethod::quads,
+                            .light_method = LightMethod::compute};
+  const DrawOptions asked{3, Quality::full, SphereMethod::quads, LightMethod::compute};
   EXPECT_EQ(live_options(request, true, 10'000'000), asked);
   EXPECT_EQ(still_options(request, 50'000, 20'000, 16384), asked);
   EXPECT_EQ(still_options({}, 1280, 720, 16384), DrawOptions{});
@@ -33,6 +36,10 @@ TEST(DrawOptions, NamesAreReadOrRefused) {
   EXPECT_EQ(parse_sphere_method("compute"), SphereMethod::compute);
   EXPECT_THROW(parse_quality("best"), InputError);
   EXPECT_THROW(parse_sphere_method(""), InputError);
+  EXPECT_EQ(parse_light_method("auto"), LightMethod::automatic);
+  EXPECT_EQ(parse_light_method("fragments"), LightMethod::fragments);
+  EXPECT_EQ(parse_light_method("compute"), LightMethod::compute);
+  EXPECT_THROW(parse_light_method("quads"), InputError);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <thread>
 
 #include "sim_cuda/run/run_state.h"
 #include "sim_cuda/world.h"
@@ -124,6 +125,59 @@ TEST_P(StateHashesOf, TheWorldDoNotDependOnTheWay) {
     straight.step(10);
     copied.step(10);
     EXPECT_EQ(copied.hashes(), straight.hashes()) << name;
+  }
+}
+
+/// Hashes that the steps compute are those of the state, also after lists have grown, and after changes.
+TEST_P(StateHashesOf, RecordedStepsAreThoseOfTheState) {
+  for (const char* name : hashed_scenes)
+    for (const Solver solver : {Solver::soft_step, Solver::impulse}) {
+      Scene scene = project_scene(name);
+      scene.physics.solver = solver;
+      if (solver == Solver::impulse) scene.physics.substeps = 2;
+      if (!validate(scene).empty()) continue;  // effects that impulse does not have
+      RunOptions small = options();
+      small.initial_pair_capacity = 1;
+      World recorded(scene, small), plain(scene, options());
+      const auto compare = [&](const char* what) {
+        EXPECT_EQ(recorded.hashes(), plain.hashes()) << name << ", state " << plain.steps() << ", " << what;
+        EXPECT_EQ(recorded.hashes().bodies, recorded.state_hash()) << name << ", " << what;
+      };
+      recorded.records().record_hashes(true);
+      compare("before the first step");
+      for (int k = 0; k < 10; ++k) {
+        recorded.step();
+        plain.step();
+        compare("a step");
+      }
+      for (World* world : {&recorded, &plain}) {
+        RunState state = world->state();
+        state.bodies.position[0].z() += 0.25;
+        world->restore(state);
+      }
+      compare("restored");
+      recorded.set_launch_shape({2, 7});
+      recorded.step(3);
+      plain.step(3);
+      compare("another launch shape");
+      recorded.records().record_hashes(false);
+      recorded.step();
+      plain.step();
+      compare("no longer recorded");
+    }
+}
+
+/// The second part of a copy may run when the world has gone on, on another thread.
+TEST_P(StateHashesOf, ACopiedStateAreThoseWhenItWasCopied) {
+  for (const char* name : hashed_scenes) {
+    World world(project_scene(name), options());
+    world.step(10);
+    const std::uint64_t before = full_hash(world.state());
+    CopiedRunState copied = world.copy_state();
+    world.step(5);
+    RunState completed;
+    std::thread([&] { completed = copied.complete(); }).join();
+    EXPECT_EQ(full_hash(completed), before) << name;
   }
 }
 

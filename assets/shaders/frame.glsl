@@ -127,3 +127,21 @@ vec3 body_color(sampler2D colors, float value, uint id) {
   }
   return map_color(colors, color_place(value, values.x, values.y, values.z == 2.0));
 }
+
+// Passes over a whole picture define shade(), the value of the pixel with this middle. They are fragment shaders,
+// or, with COMPUTED_FORMAT, compute shaders (viewer/render/gl/pixel_pass.h).
+#if defined(EACH_PIXEL)
+vec4 shade(vec2 pixel);
+#if defined(COMPUTED_FORMAT)
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = 0, COMPUTED_FORMAT) writeonly uniform image2D computed;
+void main() {
+  ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(at, imageSize(computed)))) return;
+  imageStore(computed, at, shade(vec2(at) + 0.5));
+}
+#else
+layout(location = 0) out vec4 shaded;
+void main() { shaded = shade(gl_FragCoord.xy); }
+#endif
+#endif

@@ -1,13 +1,12 @@
 // A soft studio: sky above, warm floor below, one key light with a soft shadow, a faint rim; on a dark backdrop.
-// Compiled twice: what was drawn (default), and BACKDROP, where nothing was: the depth test tells them apart, since
-// a renderer on the CPU takes both sides of every branch. QUICK: fewer looks at the shadow map, and no powers.
+// As fragment shaders, there are two: of what was drawn (default), and BACKDROP, where nothing was. The depth test
+// selects one of them, because a renderer on the CPU executes both sides of every branch. The compute shader does
+// both. QUICK: fewer samples of the shadow map, and no powers.
 layout(binding = 0) uniform sampler2D albedos;
 layout(binding = 1) uniform sampler2D normals;
 layout(binding = 2) uniform sampler2D depths;
 layout(binding = 3) uniform sampler2D visibility;  // one texel for each picture pixel
 layout(binding = 4) uniform sampler2DShadow shadows;
-
-layout(location = 0) out vec4 out_color;
 
 #if defined(QUICK)
 // Fitted to the powers of frame.glsl: within 1/255.
@@ -46,26 +45,29 @@ float key_light(vec3 point, vec3 normal) {
   const int taps = 12;
 #endif
   float lit = 0.0;
-  for (int i = 0; i < taps; ++i) lit += texture(shadows, vec3(at.xy + disc[i] * (2.2 / float(textureSize(shadows, 0).x)), at.z));
+  for (int i = 0; i < taps; ++i) lit += textureLod(shadows, vec3(at.xy + disc[i] * (2.2 / float(textureSize(shadows, 0).x)), at.z), 0.0);
   return lit / float(taps);
 }
 
-vec4 on_screen(vec3 color) {
+vec4 on_screen(vec3 color, vec2 pixel) {
   // Half a step of ordered noise keeps the dark gradient from banding.
-  float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
+  float noise = fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))) - 0.5;
   color = color / (1.0 + max(color - 0.75, 0.0) * 0.55);  // highlights bend before they clip
   return vec4(to_srgb(color) + noise / 255.0, 1.0);
 }
 
 #if defined(BACKDROP)
-void main() { out_color = on_screen(backdrop(gl_FragCoord.xy)); }
+vec4 shade(vec2 pixel) { return on_screen(backdrop(pixel), pixel); }
 #else
-void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy);
+vec4 shade(vec2 pixel) {
+  ivec2 at = ivec2(pixel);
   float depth = texelFetch(depths, at, 0).r;
+#if defined(COMPUTED_FORMAT)
+  if (depth <= 0.0) return on_screen(backdrop(pixel), pixel);
+#endif
   vec4 albedo = texelFetch(albedos, at, 0);
   vec3 normal = normalize(texelFetch(normals, at, 0).xyz * 2.0 - 1.0);
-  vec3 in_view = view_point(gl_FragCoord.xy, depth);
+  vec3 in_view = view_point(pixel, depth);
   vec3 point = (inverse_view * vec4(in_view, 1.0)).xyz;
   vec3 eye_side = lens.z > 0.5 ? mat3(inverse_view) * normalize(-in_view) : inverse_view[2].xyz;
   float open = texelFetch(visibility, at / int(values.w), 0).r;
@@ -85,8 +87,8 @@ void main() {
     float shown = clamp((albedo.a - 0.25) * 2.0, 0.0, 1.0);
     vec3 base = mix(vec3(0.085, 0.092, 0.105), vec3(0.34, 0.37, 0.42), albedo.r);
     vec3 light = vec3(0.46) * open + vec3(0.72, 0.70, 0.66) * lit * min(1.3 * max(facing, 0.0), 1.0);
-    color = mix(backdrop(gl_FragCoord.xy), base * light, shown);
+    color = mix(backdrop(pixel), base * light, shown);
   }
-  out_color = on_screen(color);
+  return on_screen(color, pixel);
 }
 #endif

@@ -3,24 +3,19 @@
 layout(binding = 0) uniform sampler2D depths;
 layout(binding = 1) uniform sampler2D normals;
 
-layout(location = 0) out float visible;
-
 const int samples = 14;
 
-void main() {
+vec4 shade(vec2 pixel) {
   int step_px = int(values.w);
-  ivec2 at = ivec2(gl_FragCoord.xy) * step_px;
+  ivec2 at = ivec2(pixel) * step_px;
   float depth = texelFetch(depths, at, 0).r;
-  if (depth <= 0.0) {
-    visible = 1.0;
-    return;
-  }
+  if (depth <= 0.0) return vec4(1.0);
   vec3 point = view_point(vec2(at) + 0.5, depth);
   vec3 normal = mat3(view) * (texelFetch(normals, at, 0).xyz * 2.0 - 1.0);
   float reach = scale.x;
   float distance = lens.z > 0.5 ? -point.z : 1.0;
   float reach_px = min(reach / (distance * lens.y) * 0.5 * pixels.y, 0.15 * pixels.y);
-  ivec2 cell = ivec2(gl_FragCoord.xy) & 3;
+  ivec2 cell = ivec2(pixel) & 3;
   float turn = float((cell.x * 4 + ((cell.x & 1) == 0 ? cell.y : 3 - cell.y)) * 7 % 16) * (6.2831853 / 16.0);
   float sum = 0.0;
   for (int i = 0; i < samples; ++i) {
@@ -36,5 +31,5 @@ void main() {
     sum += fall * fall * fall * max((dot(between, normal) - 0.02 * reach) / (0.01 * reach * reach + squared), 0.0);
   }
   float reach6 = reach * reach * reach * reach * reach * reach;
-  visible = max(0.0, 1.0 - sum * reach * 3.2 / (reach6 * float(samples)));
+  return vec4(max(0.0, 1.0 - sum * reach * 3.2 / (reach6 * float(samples))));
 }

@@ -2,10 +2,8 @@
 layout(binding = 0) uniform sampler2D visibility;
 layout(binding = 1) uniform sampler2D depths;
 
-layout(location = 0) out float visible;
-
-void main() {
-  ivec2 at = ivec2(gl_FragCoord.xy);
+vec4 shade(vec2 pixel) {
+  ivec2 at = ivec2(pixel);
   int step_px = int(values.w);
   ivec2 last = textureSize(visibility, 0) - 1;
   float depth = texelFetch(depths, at * step_px, 0).r;
@@ -17,5 +15,5 @@ void main() {
       sum += near_by * texelFetch(visibility, other, 0).r;
       weight += near_by;
     }
-  visible = sum / weight;
+  return vec4(sum / weight);
 }

@@ -32,12 +32,12 @@ constexpr Suite every[] = {
     {"live", "step rate of a run in a window, over that of the run alone; frames per second",
      "--repeats --layers --color --box-color --box-range --size --display-path --draw-gpu --quality "
      "--supersample "
-     "--sphere-method",
+     "--sphere-method --light-method",
      bench_live},
     {"frames", "frame time of the viewer: simulate, publish, draw, panels",
      "--frames --layers --color --box-color --box-range --size --display-path --draw-gpu --quality "
      "--supersample "
-     "--sphere-method",
+     "--sphere-method --light-method",
      bench_frames},
 };
 

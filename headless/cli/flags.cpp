@@ -248,7 +248,9 @@ std::vector<Flag> all_flags() {
        {"--supersample", "K", "K x K samples per pixel of the 3D view, 1 to 4, or auto",
         whole_or_auto<4, capture, draw, &DrawRequest::supersampling>},
        {"--sphere-method", "NAME", "auto, quads or compute: drawing method of spheres; same pixels",
-        parsed<parse_sphere_method, capture, draw, &DrawRequest::spheres>}});
+        parsed<parse_sphere_method, capture, draw, &DrawRequest::spheres>},
+       {"--light-method", "NAME", "auto, fragments or compute: kind of shader for lighting; same pixels",
+        parsed<parse_light_method, capture, draw, &DrawRequest::light_method>}});
   add("Benchmarks", benching,
       {{"--frames", "K", "measured frames, after a warm-up [300]", whole<1, 1'000'000, &Options::frames>},
        {"--variants", "LIST",

@@ -18,10 +18,18 @@ enum class SphereMethod {
   compute     ///< compute shaders, for GPUs with few raster units (data centre)
 };
 
+/// Method of lighting. Both give the same picture.
+enum class LightMethod {
+  automatic,  ///< compute on a GPU, else fragments
+  fragments,  ///< fragment shaders
+  compute     ///< compute shaders, for GPUs with few raster units (data centre)
+};
+
 struct DrawOptions {
   int supersampling = 2;  ///< 1 to 4: samples per pixel along each axis
   Quality light = Quality::full;
   SphereMethod spheres = SphereMethod::automatic;
+  LightMethod light_method = LightMethod::automatic;
   bool cull_lines = true;  ///< does not change the picture
 
   friend bool operator==(const DrawOptions&, const DrawOptions&) = default;
@@ -32,6 +40,7 @@ struct DrawRequest {
   std::optional<int> supersampling;
   std::optional<Quality> light;
   SphereMethod spheres = SphereMethod::automatic;
+  LightMethod light_method = LightMethod::automatic;
 };
 
 /// Options for still pictures: best quality. `max_side`: maximum texture size of OpenGL, in pixels.
@@ -47,5 +56,7 @@ const char* quality_name(Quality quality);
 std::optional<Quality> parse_quality(const std::string& text, const std::string& where = "--quality");
 /// Parses auto, quads or compute. Throws InputError.
 SphereMethod parse_sphere_method(const std::string& text, const std::string& where = "--sphere-method");
+/// Parses auto, fragments or compute. Throws InputError.
+LightMethod parse_light_method(const std::string& text, const std::string& where = "--light-method");
 
 }  // namespace collidoscope

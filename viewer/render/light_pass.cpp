@@ -4,14 +4,11 @@
 
 namespace collidoscope {
 
-LightPass::LightPass(Quality quality)
+LightPass::LightPass(Quality quality, bool compute)
     : quick_(quality == Quality::quick),
-      occlusion_("fullscreen.vert", "occlusion.frag"),
-      blur_("fullscreen.vert", "occlusion_blur.frag"),
-      lighting_("fullscreen.vert", "lighting.frag", quick_ ? "#define QUICK\n" : ""),
-      backdrop_("fullscreen.vert", "lighting.frag",
-                quick_ ? "#define BACKDROP\n#define QUICK\n" : "#define BACKDROP\n"),
-      nothing_{},
+      occlusion_("occlusion.frag", compute, GL_R16F),
+      blur_("occlusion_blur.frag", compute, GL_R16F),
+      lighting_("lighting.frag", compute, GL_RGBA8, quick_ ? "#define QUICK\n" : ""),
       shadow_("shadow map", quick_ ? 768 : 2048, quick_ ? 768 : 2048, {}, GL_DEPTH_COMPONENT32F) {
   const GLuint map = shadow_.depth();
   glTextureParameteri(map, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
@@ -19,6 +16,9 @@ LightPass::LightPass(Quality quality)
   const GLint filter = quick_ ? GL_NEAREST : GL_LINEAR;
   glTextureParameteri(map, GL_TEXTURE_MIN_FILTER, filter);
   glTextureParameteri(map, GL_TEXTURE_MAG_FILTER, filter);
+  if (!compute)
+    backdrop_.emplace("lighting.frag", false, GL_RGBA8,
+                      quick_ ? "#define BACKDROP\n#define QUICK\n" : "#define BACKDROP\n");
 }
 
 void LightPass::resize(int width, int height) {
@@ -43,39 +43,29 @@ void LightPass::draw(const gl::Target& surface, const gl::Target& lit) const {
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
-  nothing_.bind(0, 0);
-
   if (quick_) {
     const float all_open[4] = {1, 1, 1, 1};
     glClearNamedFramebufferfv(smooth_->framebuffer(), GL_COLOR, 0, all_open);
   } else {
-    rough_->bind();
-    occlusion_.use();
     glBindTextureUnit(0, surface.depth());
     glBindTextureUnit(1, surface.color(1));
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-
-    smooth_->bind();
-    blur_.use();
+    occlusion_.draw(*rough_);
     glBindTextureUnit(0, rough_->color());
     glBindTextureUnit(1, surface.depth());
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    blur_.draw(*smooth_);
   }
 
   // A triangle at the far depth 0, which matches the depth of background pixels.
-  lit.bind();
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_EQUAL);
-  backdrop_.use();
-  glDrawArrays(GL_TRIANGLES, 0, 3);
+  if (backdrop_) backdrop_->draw(lit);
   glDepthFunc(GL_LESS);
-  lighting_.use();
   glBindTextureUnit(0, surface.color(0));
   glBindTextureUnit(1, surface.color(1));
   glBindTextureUnit(2, surface.depth());
   glBindTextureUnit(3, smooth_->color());
   glBindTextureUnit(4, shadow_.depth());
-  glDrawArrays(GL_TRIANGLES, 0, 3);
+  lighting_.draw(lit);
   gl::check("draw the lighting");
 }
 

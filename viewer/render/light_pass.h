@@ -5,15 +5,15 @@
 #include <optional>
 
 #include "viewer/render/draw_options.h"
-#include "viewer/render/gl/program.h"
+#include "viewer/render/gl/pixel_pass.h"
 #include "viewer/render/gl/target.h"
-#include "viewer/render/gl/vertex_layout.h"
 
 namespace collidoscope {
 
 class LightPass {
  public:
-  explicit LightPass(Quality quality);
+  /// `compute`: uses compute shaders.
+  LightPass(Quality quality, bool compute);
   /// Size of the picture in pixels, with `scale` x `scale` samples per pixel.
   void resize(int width, int height);
   /// The shadow map: bound, and ready for drawing bodies. `clear`: false to draw more bodies into it.
@@ -26,8 +26,8 @@ class LightPass {
 
  private:
   bool quick_;
-  gl::Program occlusion_, blur_, lighting_, backdrop_;
-  gl::VertexLayout nothing_;
+  gl::PixelPass occlusion_, blur_, lighting_;
+  std::optional<gl::PixelPass> backdrop_;  ///< fragment shaders only
   gl::Target shadow_;
   std::optional<gl::Target> rough_, smooth_;
 };

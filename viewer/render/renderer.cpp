@@ -47,11 +47,9 @@ BoxColors box_colors(const FrameLayers& layers, const ValueRange& values) {
 Renderer::Renderer(int width, int height, DrawOptions options)
     : options_(options),
       software_(gl::is_software_renderer()),
-      resolve_("fullscreen.vert", "resolve.frag"),
-      nothing_{},
       colors_(color_map_texture(color_map())),
       heat_(color_map_texture(heat_map())) {
-  light_.emplace(options.light);
+  prepare_light();
   resize(width, height);
   const float black[4] = {0, 0, 0, 1};
   glClearNamedFramebufferfv(picture_->framebuffer(), GL_COLOR, 0, black);
@@ -73,10 +71,18 @@ void Renderer::resize(int width, int height) {
 void Renderer::set_options(const DrawOptions& options) {
   if (options == options_) return;
   const int w = width(), h = height();
-  if (options.light != options_.light) light_.emplace(options.light);
+  const bool relight = options.light != options_.light || options.light_method != options_.light_method;
   options_ = options;
+  if (relight) prepare_light();
   surface_.reset();
   resize(w, h);
+}
+
+void Renderer::prepare_light() {
+  const LightMethod method = options_.light_method;
+  const bool compute = method == LightMethod::automatic ? !software_ : method == LightMethod::compute;
+  light_.emplace(options_.light, compute);
+  resolve_.emplace("resolve.frag", compute, GL_RGBA8);
 }
 
 bool Renderer::computes_spheres() const {
@@ -262,13 +268,10 @@ void Renderer::resolve() const {
                            width(), height(), GL_COLOR_BUFFER_BIT, GL_NEAREST);
     return;
   }
-  picture_->bind();
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
-  resolve_.use();
-  nothing_.bind(0, 0);
   glBindTextureUnit(0, lit_->color());
-  glDrawArrays(GL_TRIANGLES, 0, 3);
+  resolve_->draw(*picture_);
 }
 
 Image Renderer::read_picture() const {

@@ -90,6 +90,7 @@ class Renderer {
     std::int64_t per_part = 4096;  ///< bodies between two looks at the clock
   };
   Frame frame_of(const OrbitCamera& camera, const FrameLayers& layers, const ValueRange& values) const;
+  void prepare_light();  ///< for the present options
   void bind(const Frame& frame);
   void begin_surface(bool clear);
   void light_and_layers(const Frame& frame, const std::function<void(const char*)>& mark);
@@ -106,8 +107,7 @@ class Renderer {
   std::optional<LightPass> light_;
   PlanePass planes_;
   GhostPass ghosts_;
-  gl::Program resolve_;
-  gl::VertexLayout nothing_;
+  std::optional<gl::PixelPass> resolve_;
   gl::Buffer camera_uniforms_{"camera"}, light_uniforms_{"light"}, walls_{"walls"}, marks_{"marks"};
   std::int64_t mark_count_ = 0;
   int last_mark_level_ = 0;
