@@ -153,15 +153,14 @@ TEST_P(JacobiSplit, AColumnHasTheStiffnessOfWholeBodies) {
   }
 }
 
-TEST_P(JacobiSplit, PilesComeToRestDeeperThanWithColours) {
+TEST_P(JacobiSplit, PilesComeToRestAsWithColours) {
   World split(pile(800, Solver::jacobi_split), options());
   World coloured(pile(800, Solver::soft_step), options());
   split.step(600);
   coloured.step(600);
   const StepStats s = split.measure(), c = coloured.measure();
   EXPECT_EQ(s.escaped + s.non_finite, 0);
-  EXPECT_LT(s.max_penetration, 1.2);
-  EXPECT_GT(s.max_penetration, c.max_penetration);
+  EXPECT_LT(s.max_penetration, 1.5 * c.max_penetration);
   double mass = 0;
   for (const double m : split.initial().mass) mass += m;
   EXPECT_LT(s.kinetic_energy, 1e-3 * mass * 9.81 * 50) << "of what the fall released";

@@ -130,7 +130,7 @@ vec3 body_color(sampler2D colors, float value, uint id) {
 
 // Passes over a whole picture define shade(), the value of the pixel with this middle. They are fragment shaders,
 // or, with COMPUTED_FORMAT, compute shaders (viewer/render/gl/pixel_pass.h).
-#if defined(EACH_PIXEL)
+#if defined(EACH_PIXEL) && !defined(VERTEX_STAGE)
 vec4 shade(vec2 pixel);
 #if defined(COMPUTED_FORMAT)
 layout(local_size_x = 8, local_size_y = 8) in;
