@@ -80,7 +80,7 @@ TEST(Gl, AShaderThatDoesNotCompileIsNamed) {
   EXPECT_THAT(refusal([] { gl::Program("sphere.vert", "sphere.frag", "this is no GLSL\n"); }),
               HasSubstr("shader 'sphere.vert'"));
   EXPECT_THAT(refusal([] { gl::Program("missing.vert", "sphere.frag"); }), HasSubstr("shaders/missing.vert"));
-  const gl::Program program("fullscreen.vert", "resolve.frag");
+  const gl::Program program("fullscreen.vert", "sphere_merge.frag", "#define SHADOW\n");
   EXPECT_THAT(refusal([&] { program.set("speling", 1); }), HasSubstr("no uniform 'speling'"));
 }
 

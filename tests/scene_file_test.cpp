@@ -413,7 +413,7 @@ class RandomScene {
     if (coin()) p.drag = {real(0, 1), real(0, 1000), real(0, 2)};
     if (p.solver == Solver::soft_step && coin()) p.attractors = {{vector(100), real(-9, 9), real(1, 2)}, {}};
     if (coin()) p.substeps = 1 + static_cast<int>(random_() % 1000);
-    if (coin()) p.iterations = 1 + static_cast<int>(random_() % 1000);
+    p.iterations = 1 + static_cast<int>(random_() % 1000);
     p.integrator = pick({Integrator::semi_implicit_euler, Integrator::velocity_verlet, Integrator::rk4});
     p.rotation_update = pick({RotationUpdate::first_order, RotationUpdate::lie_group});
     p.precision = pick({Precision::f32, Precision::f64});
@@ -517,7 +517,7 @@ std::string bits(const Scene& s) {
   real(p.drag.viscosity), real(p.drag.density), real(p.drag.coefficient);
   for (const Attractor& a : p.attractors) vec(a.position), real(a.strength), real(a.softening);
   vec(p.gravity), real(p.time_step), whole(p.time_step.steps_per_second().value_or(-1)),
-      whole(p.substeps.value_or(-1)), whole(p.iterations.value_or(-1));
+      whole(p.substeps.value_or(-1)), whole(p.iterations);
   whole(static_cast<int>(p.solver)), whole(static_cast<int>(p.integrator)),
       whole(static_cast<int>(p.rotation_update)), whole(static_cast<int>(p.precision));
   whole(p.effects ? p.effects->gravity + 2 * p.effects->rotation : -1),

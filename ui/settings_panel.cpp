@@ -165,28 +165,22 @@ void draw_shape(Workspace& workspace, const WorkspaceView& view) {
   }
 }
 
-/// A slider of a whole number that may be automatic, which is then `chosen`.
-template <class Field>
-void automatic_row(Workspace& workspace, const Field& field, std::optional<int>& value, int chosen) {
-  const std::string text = std::to_string(chosen);
-  LogRow row = row_of(field);
-  row.column = 6.6f;
-  row.field = 3.4f;
-  row.chosen = &text;
-  row.manual = chosen;
-  int number = value.value_or(0);
-  log_row(workspace, number, row);
-  value = number > 0 ? std::optional(number) : std::nullopt;
-}
-
 void draw_sweeps(Workspace& workspace, const WorkspaceView& view) {
-  Physics& physics = workspace.settings.physics;
-  automatic_row(workspace, field_of<&Physics::substeps>, physics.substeps, view.substeps);
+  Settings& s = workspace.settings;
+  const std::string chosen = std::to_string(view.substeps);
+  LogRow row = row_of(field_of<&Physics::substeps>), iterations = row_of(field_of<&Physics::iterations>);
+  row.column = iterations.column = 6.6f;
+  row.field = iterations.field = 3.4f;
+  row.chosen = &chosen;
+  row.manual = view.substeps;
+  int substeps = s.physics.substeps.value_or(0);
+  log_row(workspace, substeps, row);
   if (view.substeps_missed > 0)
     ImGui::TextWrapped("%s", fmt::format("Joints call for {:.0f} substeps; auto gives at most {}.",
                                          view.substeps_missed, view.substeps)
                                  .c_str());
-  automatic_row(workspace, field_of<&Physics::iterations>, physics.iterations, view.iterations);
+  s.physics.substeps = substeps > 0 ? std::optional(substeps) : std::nullopt;
+  log_row(workspace, s.physics.iterations, iterations);
 }
 
 /// A row with a number field.

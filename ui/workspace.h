@@ -205,7 +205,6 @@ struct WorkspaceView {
   std::vector<std::string> effects;      ///< names of the enabled effects
   int substeps = 1;                      ///< substeps per step, also if "auto"
   double substeps_missed = 0;            ///< see joint_substeps.h
-  int iterations = 1;                    ///< solver iterations, also if "auto"
   std::vector<EffectView> effect_views;  ///< all effects; empty while the panel is folded
   bool measuring_effects = false;
   bool measuring = false;              ///< a panel measures, or its last slice is in progress

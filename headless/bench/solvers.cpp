@@ -92,7 +92,7 @@ std::vector<Contestant> contestants(const Scene& scene, const RunOptions& option
   const auto add = [&](const Scene& one, const char* more) {
     Contestant& c = all.emplace_back();
     c.name = name_of(solver_names, one.physics.solver);
-    c.settings = text(substeps_in_effect(one.physics), iterations_in_effect(one.physics), more);
+    c.settings = text(substeps_in_effect(one.physics), one.physics.iterations, more);
     c.world.emplace(one, options, &start);
   };
   add(ours, "");

@@ -199,7 +199,7 @@ RunReport make_report(World& world, const StepStats& initial, std::optional<doub
       .tuned = info.tuned,
       .tuned_rejection = info.tuned_rejection,
       .substeps = world.substeps(),
-      .iterations = iterations_in_effect(scene.physics),
+      .iterations = scene.physics.iterations,
       .substeps_missed = world.substeps_missed(),
       .time_step = scene.physics.time_step,
       .initial = initial,

@@ -10,7 +10,7 @@ namespace collidoscope {
 AccuracySetting accuracy_setting(const Physics& physics, int substeps, const Effects& effects) {
   return {.time_step = physics.time_step,
           .substeps = substeps,
-          .iterations = iterations_in_effect(physics),
+          .iterations = physics.iterations,
           .solver = physics.solver,
           .integrator = physics.integrator,
           .rotation_update = physics.rotation_update,

@@ -95,10 +95,6 @@ int own_substeps(const AccuracyProblem& problem, Solver solver) {
                                                            : problem.substeps;
 }
 
-int own_iterations(const AccuracyProblem& problem, Solver solver) {
-  return problem.scene.physics.iterations.value_or(usual_iterations(solver));
-}
-
 }  // namespace
 
 double solves_per_second(const AccuracySetting& s) {
@@ -107,13 +103,14 @@ double solves_per_second(const AccuracySetting& s) {
 
 bool in_refinement_series(const AccuracyPoint& point, const AccuracyProblem& problem) {
   return point.setting.substeps == own_substeps(problem, point.setting.solver) &&
-         point.setting.iterations == own_iterations(problem, point.setting.solver);
+         point.setting.iterations == problem.scene.physics.iterations;
 }
 
 std::vector<AccuracyPoint> accuracy_settings(const AccuracyProblem& problem, double fastest) {
+  const int iterations = problem.scene.physics.iterations;
   std::vector<AccuracyPoint> points;
   for (const AccuracySetting& series : series_settings(problem, fastest)) {
-    const int own = own_substeps(problem, series.solver), iterations = own_iterations(problem, series.solver);
+    const int own = own_substeps(problem, series.solver);
     const auto add = [&](int parts, int substeps, int sweeps) {
       AccuracyPoint& point = points.emplace_back();
       point.series_name = series_name_of(series);

@@ -121,7 +121,7 @@ void Timeline::record_step(World& world, double seconds) {
   seconds_ += seconds;
   if (packing_.valid() && packing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
     end_keyframe();
-  constexpr double most = 0.1;  // share of the time
+  constexpr double most = 0.05;  // share of the time
   if (seconds_ >= std::max(interval_, cost_ / most)) begin_keyframe(world);
 }
 

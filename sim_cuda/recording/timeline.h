@@ -74,7 +74,7 @@ class Timeline {
   const std::vector<StateHashes>& hashes() const { return hashes_; }
 
   /// Keyframes are so far apart that simulating up to the next one takes about this time, s, or longer if
-  /// keyframes would take more than a tenth of the time, or more memory than the budget.
+  /// keyframes would take more than a twentieth of the time, or more memory than the budget.
   static constexpr double keyframe_seconds = 0.25;
 
  private:

@@ -227,7 +227,7 @@ SolverScene<Real> SimulationState<Real>::solver_scene(const Scene& scene, int su
           .time_step = time_step,
           .acceleration_margin = acceleration_margin_in(time_step),
           .substeps = substeps,
-          .iterations = iterations_in_effect(physics),
+          .iterations = physics.iterations,
           .integrator = physics.integrator,
           .rotation_update = physics.rotation_update,
           .unequal_moments = unequal_moments_,

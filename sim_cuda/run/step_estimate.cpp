@@ -145,8 +145,8 @@ double estimate_solve_seconds(const Executor& executor, const Physics& physics, 
   const int within = substeps / runs_of(physics, substeps);
   return 1e-9 / executor.equal_cores() *
          (bodies * ns_of_body_in_substep * within +
-          contacts * (ns_of_contact + within * (ns_of_contact_in_substep +
-                                                iterations_in_effect(physics) * ns_of_contact_in_sweep)));
+          contacts * (ns_of_contact +
+                      within * (ns_of_contact_in_substep + physics.iterations * ns_of_contact_in_sweep)));
 }
 
 StepEstimate estimate_step(Executor& executor, const WorldSetup& setup, bool thorough) {

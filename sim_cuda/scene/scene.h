@@ -205,9 +205,9 @@ struct Physics {
   Vector3d gravity{0, 0, -9.81};  ///< m/s^2
   Drag drag;                      ///< default: no drag
   std::vector<Attractor> attractors;
-  TimeStep time_step;             ///< s, > 0
-  std::optional<int> substeps;    ///< K, 1 to 1000, each of time_step / K; unset: "auto"
-  std::optional<int> iterations;  ///< solver iterations over all contacts, 1 to 1000; unset: "auto"
+  TimeStep time_step;           ///< s, > 0
+  std::optional<int> substeps;  ///< K, 1 to 1000, each of time_step / K; unset: "auto"
+  int iterations = 1;           ///< solver iterations over all contacts, 1 to 1000
   Solver solver = Solver::soft_step;
   Integrator integrator = Integrator::velocity_verlet;
   RotationUpdate rotation_update = RotationUpdate::lie_group;
@@ -229,13 +229,6 @@ inline void disable_guards(Physics& physics) {
 /// `impulse` follows the paper and has one.
 inline int substeps_in_effect(const Physics& physics) {
   return physics.substeps.value_or(physics.solver == Solver::impulse ? 1 : 4);
-}
-
-/// Number of solver iterations: the setting, or the value that "auto" resolves to. An iteration of
-/// `jacobi_split` is one round instead of about twenty, and converges more slowly.
-inline int usual_iterations(Solver solver) { return solver == Solver::jacobi_split ? 4 : 1; }
-inline int iterations_in_effect(const Physics& physics) {
-  return physics.iterations.value_or(usual_iterations(physics.solver));
 }
 
 struct Scene {

@@ -44,11 +44,9 @@ inline constexpr auto physics_settings = std::tuple{
         .live = Live::new_world,
         .slider_high = 32},
     Field<&Physics::iterations>{.key = "iterations",
-                                .help = "solver iterations over all contacts, in each substep; auto: 4 with "
-                                        "jacobi_split, else 1",
+                                .help = "solver iterations over all contacts, in each substep",
                                 .low = 1,
                                 .high = limits::max_iterations,
-                                .automatic = Auto::unset,
                                 .placeholder = "I",
                                 .live = Live::new_world,
                                 .slider_high = 32},

@@ -49,7 +49,7 @@ Scene falling(const Scene& scene) {
   if (physics.solver != Solver::impulse) return inner;
   physics.solver = Solver::soft_step;
   physics.substeps.reset();
-  physics.iterations.reset();
+  physics.iterations = 1;
   return inner;
 }
 

@@ -17,7 +17,7 @@ struct Softness {
   Real bias_rate;              ///< 1/s, omega / (2 zeta + h omega)
   Real mass_scale;             ///< a / (1 + a), a = h omega (2 zeta + h omega)
   Real impulse_scale;          ///< 1 / (1 + a)
-  Real iterations;             ///< per substep
+  Real passes;                 ///< over all contacts per substep, before the move
   Real correction_per_radius;  ///< 1/s: limit of the overlap correction, in radii of the smaller sphere per
                                ///< second
 
@@ -33,26 +33,22 @@ struct Softness {
   static constexpr double unloaded_share = 0.1;
 
   /// For parts of split bodies. `parts`: effective mass of the whole bodies over that of the parts. The
-  /// solution then has the stiffness of the whole bodies. Fewer iterations than parts cannot reach it, and
-  /// columns would sway; so the stiffness grows at most by the number of iterations.
+  /// solution then has the stiffness of the whole bodies. Fewer passes than parts cannot reach it, and
+  /// columns would sway; so the stiffness grows at most by the number of passes.
   SIM_HD Softness of_parts(Real parts) const {
-    const Real a = min_of(parts, iterations) * mass_scale / impulse_scale;
+    const Real a = min_of(parts, passes) * mass_scale / impulse_scale;
     Softness result = *this;
     result.mass_scale = a / (1 + a);
     result.impulse_scale = 1 / (1 + a);
     return result;
   }
 
-  static Softness of(Real h, int iterations) {
+  static Softness of(Real h, int passes) {
     const Real full_circle = Real(6.283185307179586), zeta = Real(damping_ratio);
     const Real angle = full_circle * Real(cycles_per_substep);  // h omega
     const Real a1 = 2 * zeta + angle, a2 = angle * a1;
-    return {1 / h,
-            angle / (h * a1),
-            a2 / (1 + a2),
-            1 / (1 + a2),
-            static_cast<Real>(iterations),
-            Real(correction_limit)};
+    return {1 / h,        angle / (h * a1),          a2 / (1 + a2),
+            1 / (1 + a2), static_cast<Real>(passes), Real(correction_limit)};
   }
 };
 

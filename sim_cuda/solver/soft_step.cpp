@@ -19,7 +19,8 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
     : executor_(executor),
       scene_(scene),
       h_(scene.time_step / static_cast<Real>(scene.substeps)),
-      softness_(Softness<Real>::of(h_, scene.iterations)),
+      passes_(coloured ? 1 : mass_split_passes),
+      softness_(Softness<Real>::of(h_, scene.iterations * passes_)),
       colouring_(executor),
       coloured_(coloured),
       uncoloured_degrees_(executor),
@@ -221,8 +222,10 @@ void SoftStepSolver<Real>::solve(int substep) {
   record_iteration<with_friction>(substep, true, 0);
   for (int iteration = 1; iteration <= scene_.iterations; ++iteration) {
     if (scene_.effects.joints) scene_.joints->solve();
-    iterate("solve", Solve<Real>{softness_});
-    iterate_walls<with_friction>("solve", false);
+    for (int pass = 0; pass < passes_; ++pass) {
+      iterate("solve", Solve<Real>{softness_});
+      iterate_walls<with_friction>("solve", false);
+    }
     record_iteration<with_friction>(substep, true, iteration);
   }
   if (scene_.effects.joints) scene_.joints->end_solve();
@@ -251,13 +254,15 @@ template <bool with_friction>
 void SoftStepSolver<Real>::relax(int substep) {
   record_iteration<with_friction>(substep, false, 0);
   for (int iteration = 1; iteration <= scene_.iterations; ++iteration) {
-    const bool last = iteration == scene_.iterations;
     if (scene_.effects.joints) scene_.joints->relax(iteration == 1, energy_guard_.moved_velocity());
-    iterate_walls<with_friction>("relax", true);
-    with_moments<with_friction>([&]<bool unequal_moments>() {
-      iterate("relax", Relax<Real, with_friction, unequal_moments>{softness_, last});
-    });
-    if (scene_.effects.rolling_resistance) rolling_.solve(rolling_source());
+    for (int pass = 1; pass <= passes_; ++pass) {
+      const bool last = iteration == scene_.iterations && pass == passes_;
+      iterate_walls<with_friction>("relax", true);
+      with_moments<with_friction>([&]<bool unequal_moments>() {
+        iterate("relax", Relax<Real, with_friction, unequal_moments>{softness_, last});
+      });
+      if (scene_.effects.rolling_resistance) rolling_.solve(rolling_source());
+    }
     record_iteration<with_friction>(substep, false, iteration);
   }
 }
@@ -358,7 +363,7 @@ OrderedContacts<Real, with_friction> SoftStepSolver<Real>::ordered_contacts(bool
           uncoloured_change_.data()};
 }
 
-/// One iteration of `act` over all contacts, timed as `stage`.
+/// One pass of `act` over all contacts, timed as `stage`.
 template <class Real>
 template <class Act>
 void SoftStepSolver<Real>::iterate(const char* stage, const Act& act) {
@@ -395,7 +400,7 @@ void SoftStepSolver<Real>::dispatch_walls(const Launch& launch) {
     launch(planes_.template view<with_friction, false>(softness_.inverse_h));
 }
 
-/// One iteration over planes and box obstacles, timed as `stage`.
+/// One pass over planes and box obstacles, timed as `stage`.
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::iterate_walls(const char* stage, bool relaxing) {

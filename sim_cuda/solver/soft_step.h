@@ -37,6 +37,10 @@ namespace collidoscope {
 template <class Real>
 class SoftStepSolver final : public ContactSolver<Real> {
  public:
+  /// Passes over all contacts in an iteration of `jacobi_split`. A pass has one round instead of about
+  /// twenty, and converges more slowly.
+  static constexpr int mass_split_passes = 4;
+
   /// `coloured` false: the solver `jacobi_split`. Its iterations have all contacts in the mass-split set.
   SoftStepSolver(Executor& executor, const SolverScene<Real>& scene, bool coloured);
   int runs_per_step() const override { return 1; }
@@ -99,7 +103,8 @@ class SoftStepSolver final : public ContactSolver<Real> {
 
   Executor& executor_;
   const SolverScene<Real> scene_;
-  const Real h_;  ///< substep, s
+  const Real h_;      ///< substep, s
+  const int passes_;  ///< over all contacts per iteration
   const Softness<Real> softness_;
   std::int64_t contact_capacity_ = 0;
   Colouring colouring_;

@@ -100,7 +100,7 @@ constexpr Axis all_axes[] = {
      [](Choices& choices) {
        for (int iterations = 1; iterations <= 8; iterations *= 2)
          choices.add_physical(&Physics::iterations, fmt::to_string(iterations), iterations,
-                              iterations_in_effect(choices.world().scene().physics));
+                              choices.world().scene().physics.iterations);
      }},
     {"precision", [](Choices& choices) { choices.add_all_physical(&Physics::precision, precision_names); }},
 };

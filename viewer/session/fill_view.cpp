@@ -31,7 +31,6 @@ void fill_view(World& world, const StepStats& stats, const History& history, Wor
   view.effects = names_of(world.effects());
   view.substeps = world.substeps();
   view.substeps_missed = world.substeps_missed();
-  view.iterations = iterations_in_effect(world.scene().physics);
   view.key_bits = info.key_bits;
   view.stats = stats;
   view.time = world.time();

@@ -149,7 +149,7 @@ bool SimulationThread::publication_due(const Plan& plan, bool on_gpu) const {
     if (!plan.publishes || ready_) return false;
   }
   if (plan.speed == 0 || plan.request != published_request_) return true;
-  const double share = on_gpu ? 0.05 : 0.12;
+  const double share = on_gpu ? 0.03 : 0.12;
   const double since = seconds_since(published_at_);
   return since >= std::min(publish_seconds_ / share, 0.5);
 }

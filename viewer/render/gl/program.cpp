@@ -22,8 +22,8 @@ std::string read_text(const std::string& name) {
 ShaderHandle compile(GLenum stage, const std::string& file, const std::string& definitions) {
   // #line directives give file number and line in the driver's messages.
   const std::string kind = stage == GL_VERTEX_SHADER ? "#define VERTEX_STAGE\n" : "";
-  const std::string source = "#version 450 core\n" + kind + definitions + "#line 1 0\n" + read_text("frame.glsl") +
-                             "#line 1 1\n" + read_text(file);
+  const std::string source = "#version 450 core\n" + kind + definitions + "#line 1 0\n" +
+                             read_text("frame.glsl") + "#line 1 1\n" + read_text(file);
   ShaderHandle shader(glCreateShader(stage));
   const char* text = source.c_str();
   glShaderSource(shader.get(), 1, &text, nullptr);
