@@ -33,18 +33,14 @@ class Impacts : public OnEachExecutor {
         check(world);
       }
   }
-  /// The energy after each step must be the initial one. If impacts needed more sweeps than allowed, the rest
-  /// was inelastic: 0.5 % may be lost then. No body may leave the box.
+  /// The energy after each step must be the initial one. No body may leave the box.
   void expect_same_energy(const Scene& scene, int steps, int every = 1, bool half = false) {
     const auto check = [&](World& world) {
       const double start = world.measure().energy(), tolerance = energy_tolerance(world);
-      double most_lost = tolerance;
       for (int k = 0; k < steps; k += every) {
         world.step(every);
         const StepStats now = world.measure();
-        if (now.bounce_cap > 0) most_lost = 0.005;
-        ASSERT_LE(now.energy() / start, 1 + tolerance) << "step " << now.step;
-        ASSERT_GE(now.energy() / start, 1 - most_lost) << "step " << now.step;
+        ASSERT_NEAR(now.energy() / start, 1, tolerance) << "step " << now.step;
         ASSERT_EQ(now.escaped, 0) << "step " << now.step;
       }
     };

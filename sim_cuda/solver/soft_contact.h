@@ -78,16 +78,20 @@ struct SoftContact {
   /// Solves the normal constraint. Updates the accumulated impulse and returns its change, N s. `speed`:
   /// separation speed along the normal, m/s. `mass`: effective mass, kg. `soft`: solve with the spring.
   ///
-  /// Without `soft`, a contact without impulse stays inactive.
+  /// Without `soft`, a contact without impulse stays inactive. `first`: in the first pass of a substep. Only
+  /// this pass pushes overlapping bodies apart whose contact has no load.
   template <bool soft>
-  SIM_HD Real solve(Real speed, Real mass, const Softness<Real>& softness) {
+  SIM_HD Real solve(Real speed, Real mass, const Softness<Real>& softness, bool first = true) {
     Real bias = 0, scale = 1, impulse_scale = 0;
     if (!soft && !(impulse > 0)) return 0;
     if (gap > 0) {
       bias = gap * softness.inverse_h;  // the gap may close, but not become negative
     } else if (soft) {
       bias = max_of(softness.mass_scale * softness.bias_rate * gap, -softness.correction_per_radius * radius);
-      if (!(impulse > 0)) bias *= Real(softness.unloaded_share);
+      // In later passes, an impulse that is no larger than a push is no load.
+      const bool loaded = impulse > (first ? Real(0) : -mass * bias);
+      if (!loaded && !first && speed >= 0) return 0;
+      if (!loaded) bias *= first ? Real(softness.unloaded_share) : Real(0);
       scale = softness.mass_scale;
       impulse_scale = softness.impulse_scale;
     }

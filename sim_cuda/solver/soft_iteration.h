@@ -45,6 +45,7 @@ template <class Real>
 struct Solve {
   static constexpr bool has_friction = false, sums = false;
   Softness<Real> softness;
+  bool first;  ///< first pass of the substep
   SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
     if (contact.gap > 0 && contact.passes(motions.velocity(), motions.reach(), 1 / softness.inverse_h)) {
       const Real change = -contact.impulse;
@@ -52,7 +53,8 @@ struct Solve {
       return change;
     }
     return contact.template solve<true>(motions.velocity().dot(contact.normal), motions.mass,
-                                        motions.parts > 1 ? softness.of_parts(motions.parts) : softness);
+                                        motions.parts > 1 ? softness.of_parts(motions.parts) : softness,
+                                        first);
   }
 };
 

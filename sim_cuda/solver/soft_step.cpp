@@ -223,7 +223,7 @@ void SoftStepSolver<Real>::solve(int substep) {
   for (int iteration = 1; iteration <= scene_.iterations; ++iteration) {
     if (scene_.effects.joints) scene_.joints->solve();
     for (int pass = 0; pass < passes_; ++pass) {
-      iterate("solve", Solve<Real>{softness_});
+      iterate("solve", Solve<Real>{softness_, iteration == 1 && pass == 0});
       iterate_walls<with_friction>("solve", false);
     }
     record_iteration<with_friction>(substep, true, iteration);
