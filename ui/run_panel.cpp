@@ -68,8 +68,9 @@ void draw_timeline(Workspace& workspace, const WorkspaceView& view) {
   ImGui::SameLine(0, gap);
   ImGui::SetNextItemWidth(width);
   std::int64_t state = now;
-  if (ImGui::SliderScalar("##timeline", ImGuiDataType_S64, &state, &timeline.first, &timeline.last,
-                          fmt::format("%lld of {}", timeline.last).c_str(), ImGuiSliderFlags_AlwaysClamp) &&
+  // Without a text, which the handle would hide: the row above has it.
+  if (ImGui::SliderScalar("##timeline", ImGuiDataType_S64, &state, &timeline.first, &timeline.last, " ",
+                          ImGuiSliderFlags_AlwaysClamp) &&
       state != now)
     request(state);
   track(workspace, "run.timeline");
@@ -125,8 +126,10 @@ void draw_run_panel(Workspace& workspace, const WorkspaceView& view) {
       ImGui::EndCombo();
     }
     track(workspace, "run.speed");
-    row_text("state", fmt::format("{}{}", grouped_number(view.stats.step),
-                                  std::isfinite(view.time) ? fmt::format(" · t = {:.3f} s", view.time) : ""));
+    row_text("state",
+             fmt::format("{}{}{}", grouped_number(view.stats.step),
+                         view.timeline ? fmt::format(" of {}", grouped_number(view.timeline->last)) : "",
+                         std::isfinite(view.time) ? fmt::format(" · t = {:.3f} s", view.time) : ""));
     if (view.timeline) draw_timeline(workspace, view);
     row_text(
         "achieved",
