@@ -72,7 +72,7 @@ void SceneView::upload(const PublishedState& state) {
 void SceneView::draw(const PublishedState& state, const Workspace& workspace, const TreeInspector& tree,
                      int width, int height) {
   using Clock = std::chrono::steady_clock;
-  constexpr double slice = 20;  // ms per call
+  constexpr double slice = 14;  // ms per call
   if (drawing_) return draw_slice(slice);
   width_ = width;
   height_ = height;
