@@ -155,7 +155,7 @@ std::uint32_t stage_color(std::size_t stage, bool light) {
 }
 
 std::string_view stage_term(std::string_view name) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 25> terms{
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 26> terms{
       {{"bounds", "AABBs: axis-aligned bounding boxes of all bodies"},
        {"keys", "Morton codes, or keys of grid cells or planes"},
        {"sort", "sort by key"},
@@ -180,7 +180,8 @@ std::string_view stage_term(std::string_view name) {
        {"keep", "warm-start store"},
        {"islands", "islands and sleeping"},
        {"residual", "residuals of the solver"},
-       {"guard", "guards: validation of stage results"}}};
+       {"guard", "guards: validation of stage results"},
+       {"hashes", "hashes of the state, for the timeline and recordings"}}};
   const auto* const found =
       std::ranges::find(terms, name, &std::pair<std::string_view, std::string_view>::first);
   return found == terms.end() ? name : found->second;
