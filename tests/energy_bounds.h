@@ -44,7 +44,8 @@ inline std::vector<int> energy_seeds([[maybe_unused]] ExecutorKind executor, int
 struct EnergyCourse {
   double rise = 0;        ///< largest rise of E above its earlier minimum, relative to T
   std::int64_t step = 0;  ///< the state of that rise
-  double push_work = 0;   ///< largest magnitude, relative to the final T
+  double push_work = 0;   ///< largest, relative to the final T
+  double stopping = 0;    ///< largest magnitude of negative push_work, relative to the final T
   StepStats end;
 };
 
@@ -68,7 +69,8 @@ inline EnergyCourse energy_course(const Scene& scene, int steps, const RunOption
                              mass * world.time() * scene.physics.gravity;
     const double energy = now.energy() - now.push_work - kinematic_velocity.dot(impulse);
     largest_kinetic = std::max(largest_kinetic, now.kinetic_energy);
-    course.push_work = std::max(course.push_work, std::abs(now.push_work));
+    course.push_work = std::max(course.push_work, now.push_work);
+    course.stopping = std::max(course.stopping, -now.push_work);
     if (k == 0) lowest = energy;
     if (energy - lowest > course.rise * largest_kinetic) {
       course.rise = (energy - lowest) / largest_kinetic;
@@ -77,6 +79,7 @@ inline EnergyCourse energy_course(const Scene& scene, int steps, const RunOption
     lowest = std::min(lowest, energy);
   }
   course.push_work /= largest_kinetic;
+  course.stopping /= largest_kinetic;
   return course;
 }
 

@@ -127,18 +127,28 @@ TEST_P(EnergyBounds, InitialOverlapWithStaticBodies) {
 Scene without_overlap(Uniform& uniform) {
   return one_of(uniform, {any_pile, heavy_on_pile, rough_pile})(uniform);
 }
+Scene in_four_iterations(Uniform& uniform) {
+  Scene scene = without_overlap(uniform);
+  scene.physics.iterations = 4;
+  return scene;
+}
 TEST_P(EnergyBounds, PushWorkWithoutInitialOverlap) {
-  // One iteration does not pass on the load of a heavy ball that falls on a pile, so bodies overlap, and are
-  // pushed apart later. So 2.7 % of 1,000 runs have more, at most 11 %; with jacobi_split 4.4 %, at
-  // most 10 %. Other numbers of iterations: solver/README.md.
-  check(
-      10, 4, 0.01, without_overlap,
-      {.value = &EnergyCourse::push_work, .solvers = {Solver::soft_step}, .share_above = 0.05, .most = 0.2});
-  check(10, 4, 0.02, without_overlap,
-        {.value = &EnergyCourse::push_work,
-         .solvers = {Solver::jacobi_split},
-         .share_above = 0.05,
-         .most = 0.2});
+  // One iteration does not pass on all loads of a pile, so bodies overlap, and are pushed apart later. In 1.6
+  // % of 2,000 runs, this is more than the bound, at most 2.9 %; with jacobi_split in 2 %, at most 3.9 %.
+  for (const Solver solver : {Solver::soft_step, Solver::jacobi_split})
+    check(10, 4, 0.01, without_overlap,
+          {.value = &EnergyCourse::push_work, .solvers = {solver}, .share_above = 0.04, .most = 0.05});
+}
+/// Of 1,000 runs with each solver, one exceeds the bound, by 0.4 %.
+TEST_P(EnergyBounds, PushWorkWithoutInitialOverlapInFourIterations) {
+  for (const Solver solver : {Solver::soft_step, Solver::jacobi_split})
+    check(10, 4, 0.01, in_four_iterations,
+          {.value = &EnergyCourse::push_work, .solvers = {solver}, .share_above = 0.002, .most = 0.02});
+}
+/// Bodies that a plane or a body stops move on in the substep of the stop, and lose height after their speed.
+TEST_P(EnergyBounds, StoppingWorkIsThatOfASubstep) {
+  check(10, 4, 0.03, without_overlap,
+        {.value = &EnergyCourse::stopping, .solvers = {Solver::soft_step, Solver::jacobi_split}});
 }
 TEST_P(EnergyBounds, PushWorkOfImpulseWithoutInitialOverlap) {
   // At large steps, bodies overlap before this solver finds their contact.

@@ -80,7 +80,8 @@ SIM_HD void atomic_add_aggregated(std::uint64_t* targets, const std::uint64_t (&
     if (group.thread_rank() == 0) atomicAdd(reinterpret_cast<unsigned long long*>(targets + k), sum);
   }
 #else
-  for (std::uint32_t k = 0; k < count; ++k) atomic_add(targets + k, values[k]);
+  for (std::uint32_t k = 0; k < count; ++k)
+    if (values[k] != 0) atomic_add(targets + k, values[k]);
 #endif
 }
 
@@ -220,6 +221,19 @@ SIM_HD void atomic_store(T* target, T value) {
 #else
   std::atomic_ref<T> cell(*target);
   if (cell.load(std::memory_order_relaxed) != value) cell.store(value, std::memory_order_relaxed);
+#endif
+}
+
+/// Adds to a value that one thread after another changes. The threads hand over by relaxed stores, as in
+/// SyncFreeRounds.
+SIM_HD inline void add_in_turn(double* target, double value) {
+#if defined(__CUDA_ARCH__)
+  __threadfence();
+  auto* cell = reinterpret_cast<volatile double*>(target);
+  *cell = *cell + value;
+  __threadfence();
+#else
+  *target += value;
 #endif
 }
 

@@ -27,7 +27,7 @@ Rebounds rebounds(const Scene& scene) {
 /// (solver/impact.h): p t - g t^2/2 = (p - g t + g h) R for the reach R in s.
 double earliest(double h, double g, double p) {
   const double reach =
-      ImpactLaw<double>{.restitution = {}, .gravity = Vector3d::Zero(), .field = nullptr, .h = h}
+      ImpactLaw<double>{.restitution = {}, .gravity = Vector3d::Zero(), .field = nullptr, .h = h, .slow = 0}
           .reach_time();
   const double b = p + g * reach, squared = b * b - 2 * g * reach * (p + g * h);
   return squared > 0 ? (b - std::sqrt(squared)) / g : p / g;

@@ -26,6 +26,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
       sums_(executor, "energy guard sums"),
       exempt_(executor, "energy guard exemptions"),
       grounded_(executor, "energy guard ground"),
+      active_(executor, "energy guard active bodies"),
       rigid_scale_(executor, "energy guard rigid scales"),
       rigid_sums_(executor, "energy guard rigid sums"),
       is_free_(executor, "freely moving bodies") {
@@ -46,6 +47,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
   sums_.resize_discarding(std::size_t{EnergyTerms::count} * n);
   exempt_.resize_discarding(n);
   grounded_.resize_discarding(n);
+  active_.resize_discarding(n);
   rigid_scale_.resize_discarding(std::size_t{RigidSums::kinds} * n);
   rigid_sums_.resize_discarding(std::size_t{RigidSums::count} * n);
   if (scene.integrator != Integrator::semi_implicit_euler) is_free_.resize_discarding(n);
@@ -90,6 +92,7 @@ void EnergyGuard<Real>::apply(Real h, bool is_first_substep, const GuardedContac
                         sums_.data(),
                         exempt_.data(),
                         grounded_.data(),
+                        active_.data(),
                         rigid_scale_.data(),
                         rigid_sums_.data()});
 }

@@ -119,6 +119,7 @@ class EnergyGuard {
   Buffer<std::uint64_t> sums_;         ///< by root: see EnergyTerms
   Buffer<std::uint8_t> exempt_;        ///< by body: it has a joint, or touches a moving kinematic body
   Buffer<std::uint8_t> grounded_;      ///< by body: it touches a plane or a static body
+  Buffer<std::uint8_t> active_;        ///< by body: see GuardRounds
   Buffer<std::uint32_t> rigid_scale_;  ///< see GuardRounds
   Buffer<std::uint64_t> rigid_sums_;   ///< see GuardRounds
   Buffer<std::uint8_t> is_free_;       ///< by body; empty with Euler's integrator

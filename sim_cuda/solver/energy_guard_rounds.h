@@ -1,13 +1,17 @@
 #pragma once
+// More than 400 lines: the rounds of one launch, which share their data.
+//
 // The rounds of the energy guard (energy_guard.h), for Executor::run_rounds: the test of the whole scene, the
 // islands, then up to `removals` corrections of the islands that gain energy. The last one has two more
-// rounds, for the sums of rigid motions.
+// rounds, for the sums of rigid motions. A removal tests only the islands that the removal before has
+// corrected.
 
 #include <bit>
 #include <cstdint>
 
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/disjoint_sets.h"
+#include "sim_cuda/core/round_kernels.h"
 #include "sim_cuda/solver/energy_guard_bodies.h"
 #include "sim_cuda/solver/rigid_motion.h"
 
@@ -32,6 +36,7 @@ struct GuardRounds : GuardedBodies<Real> {
   ContactChange<Real>* changes;     ///< by body: what a removal takes a share from
   std::uint64_t* sums;              ///< by root: see EnergyTerms; partial sums by first body of a group
   std::uint8_t *exempt, *grounded;  ///< by body, then by root
+  std::uint8_t* active;             ///< by body: 1 + the next removal of its island, or 0
   std::uint32_t* rigid_scale;       ///< by root and kind: bits of the largest value (float)
   std::uint64_t* rigid_sums;        ///< by root: RigidSums, in units of the largest value of a kind
 
@@ -52,8 +57,23 @@ struct GuardRounds : GuardedBodies<Real> {
     if (round == 5) return joints.count;
     const Part part = part_of(round);
     if (part == Part::gather || part == Part::gather_rigid) return (body_count + group - 1) / group;
-    return part == Part::clear ? max_of(body_count, contact_count) : body_count;
+    return part == Part::clear && removal_of(round) > 0 ? max_of(body_count, contact_count) : body_count;
   }
+  /// A round on the CPU; see MarkedRounds.
+  struct Round {
+    GuardRounds rounds;
+    int number;
+    void operator()(int item) const { rounds(number, item); }
+    ItemMarks marks() const {
+      const int removal = removal_of(number);
+      if (number < first_rounds) return {};
+      const Part part = part_of(number);
+      const bool by_group = part == Part::gather || part == Part::gather_rigid;
+      if (by_group || (part == Part::clear && removal > 0)) return {};
+      return {rounds.active, static_cast<std::uint8_t>(removal + 1)};
+    }
+  };
+  Round round(int number) const { return {*this, number}; }
   SIM_HD void operator()(int round, int item) const {
     switch (round) {
       case 0:
@@ -78,13 +98,13 @@ struct GuardRounds : GuardedBodies<Real> {
       case Part::add_rigid:
         return add_rigid(item);
       case Part::gather_rigid:
-        return gather<RigidSums::count>(rigid_sums, item);
+        return gather<RigidSums::count>(removal, rigid_sums, item);
       case Part::scale:
         return find_scale(removal, item);
       case Part::add:
-        return add(item);
+        return add(removal, item);
       case Part::gather:
-        return gather<EnergyTerms::count>(sums, item);
+        return gather<EnergyTerms::count>(removal, sums, item);
       case Part::remove:
         return remove(removal, item);
     }
@@ -147,9 +167,16 @@ struct GuardRounds : GuardedBodies<Real> {
   SIM_HD void begin(int body) const {
     grounded[body] = touches_plane(body) || has_left_plane(body) ? 1 : 0;
     exempt[body] = is_exempt(body) ? 1 : 0;
+    const bool may_gain = grounded[body] != 0 || gains[body] != 0;
+    active[body] = may_gain && is_guarded(static_cast<std::uint32_t>(body)) ? 1 : 0;
+  }
+  SIM_HD bool is_active(int removal, std::uint32_t body) const {
+    return atomic_load(&active[body]) == removal + 1;
   }
   SIM_HD void join(std::uint32_t a, std::uint32_t b) const {
     const bool guarded_a = is_guarded(a), guarded_b = is_guarded(b);
+    if (guarded_a) atomic_store(&active[a], std::uint8_t{1});
+    if (guarded_b) atomic_store(&active[b], std::uint8_t{1});
     if (guarded_a && guarded_b) return join_sets(parent, a, b);
     if (guarded_a && bodies.inverse_mass[b] == 0) join_static(a, b);
     if (guarded_b && bodies.inverse_mass[a] == 0) join_static(b, a);
@@ -164,14 +191,17 @@ struct GuardRounds : GuardedBodies<Real> {
     const JointRow<Real>& row = joints.rows[joint];
     if (row.b != JointRow<Real>::world)
       join(row.a, row.b);
-    else if (is_guarded(row.a))
+    else if (is_guarded(row.a)) {
       atomic_store(&grounded[row.a], std::uint8_t{1});
+      atomic_store(&active[row.a], std::uint8_t{1});
+    }
   }
   /// Clears the sums. Before the first removal, marks the roots of islands. Before a step of steepest
   /// descent, computes the opposing impulses of contacts.
   SIM_HD void prepare(int removal, int item) const {
-    if (removal == 0 && item < body_count) mark_island(item);
-    const bool has_sums = item < body_count && (is_root(item) || item % group == 0);
+    const bool is_body = item < body_count && is_active(removal, static_cast<std::uint32_t>(item));
+    if (removal == 0 && is_body) mark_island(item);
+    const bool has_sums = is_body && (is_root(item) || item % group == 0);
     if (has_sums) {
       scale[item] = 0;
       for (std::uint32_t k = 0; k < EnergyTerms::count; ++k)
@@ -184,6 +214,7 @@ struct GuardRounds : GuardedBodies<Real> {
     if (removal == 0 || is_rigid(removal) || item >= static_cast<std::int64_t>(control->contacts)) return;
     const auto place = static_cast<std::uint32_t>(item);
     const Pair ids = contacts.ids[place];
+    if (!is_active(removal, ids.a) && !is_active(removal, ids.b)) return;
     const Real mass = 1 / (bodies.inverse_mass[ids.a] + bodies.inverse_mass[ids.b]);
     const Vector3<Real> velocity = bodies.velocity[ids.b].load() - bodies.velocity[ids.a].load();
     contacts.opposing[place] =
@@ -193,7 +224,6 @@ struct GuardRounds : GuardedBodies<Real> {
     return atomic_load(&parent[body]) == static_cast<std::uint32_t>(body);
   }
   SIM_HD void mark_island(int body) const {
-    if (!is_guarded(static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
     if (atomic_load(&exempt[body]) != 0) atomic_store(&exempt[root], std::uint8_t{1});
     if (atomic_load(&grounded[body]) != 0) atomic_store(&grounded[root], std::uint8_t{1});
@@ -221,7 +251,7 @@ struct GuardRounds : GuardedBodies<Real> {
     return terms;
   }
   SIM_HD void find_rigid_scale(int body) const {
-    if (!is_guarded(static_cast<std::uint32_t>(body))) return;
+    if (!is_active(removals - 1, static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
     const RigidSums terms = rigid_terms(body, root);
     for (std::uint32_t kind = 0; kind < RigidSums::kinds; ++kind) {
@@ -231,7 +261,7 @@ struct GuardRounds : GuardedBodies<Real> {
     }
   }
   SIM_HD void add_rigid(int body) const {
-    if (!is_guarded(static_cast<std::uint32_t>(body))) return;
+    if (!is_active(removals - 1, static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
     const RigidSums terms = rigid_terms(body, root);
     std::uint64_t units[RigidSums::count] = {};
@@ -243,15 +273,15 @@ struct GuardRounds : GuardedBodies<Real> {
     atomic_add_aggregated(&rigid_sums[at(place_of_sum(body, root), 0, RigidSums::count)], units);
   }
   SIM_HD void find_scale(int removal, int body) const {
-    if (!is_guarded(static_cast<std::uint32_t>(body))) return;
+    if (!is_active(removal, static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
-    if (exempt[root] != 0 || (grounded[root] != 0 && removal > 1 && !is_rigid(removal))) return;
+    if (exempt[root] != 0) return;
     const EnergyTerms sum = terms_of[body] = terms(removal, body);
     const float size = static_cast<float>(sum.largest());
     if (is_finite(size) && size > 0) atomic_max(&scale[root], std::bit_cast<std::uint32_t>(size));
   }
-  SIM_HD void add(int body) const {
-    if (!is_guarded(static_cast<std::uint32_t>(body))) return;
+  SIM_HD void add(int removal, int body) const {
+    if (!is_active(removal, static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
     if (scale[root] == 0) return;
     const EnergyTerms sum = terms_of[body];
@@ -264,13 +294,13 @@ struct GuardRounds : GuardedBodies<Real> {
   /// island, else the root. On a GPU, atomics at the root of a large island are a bottleneck.
   SIM_HD std::uint32_t place_of_sum(int body, std::uint32_t root) const {
     const auto first = static_cast<std::uint32_t>(body / group * group);
-    return is_guarded(first) && root_of(parent, first) == root ? first : root;
+    return atomic_load(&active[first]) != 0 && root_of(parent, first) == root ? first : root;
   }
   /// Adds the sums of a group to those of the island.
   template <std::uint32_t count>
-  SIM_HD void gather(std::uint64_t* sums_by_body, int number) const {
+  SIM_HD void gather(int removal, std::uint64_t* sums_by_body, int number) const {
     const auto first = static_cast<std::uint32_t>(number * group);
-    if (!is_guarded(first)) return;
+    if (!is_active(removal, first)) return;
     const std::uint32_t root = root_of(parent, first);
     if (root == first) return;
     for (std::uint32_t k = 0; k < count; ++k)
@@ -363,7 +393,8 @@ struct GuardRounds : GuardedBodies<Real> {
   }
   /// Correction of the island of a body. Requests the next removal if energy is still gained after it.
   SIM_HD EnergyCorrection correction_of(int removal, std::uint32_t body) const {
-    if (!is_guarded(body)) return {};
+    if (!is_active(removal, body)) return {};
+    active[body] = 0;
     const std::uint32_t root = root_of(parent, body);
     if (scale[root] == 0 || exempt[root] != 0) return {};
     EnergyTerms all;
@@ -374,16 +405,21 @@ struct GuardRounds : GuardedBodies<Real> {
                          relative_rounding * static_cast<double>(std::bit_cast<float>(scale[root]));
     if (!(all.gain() > (removal == 0 ? 0 : error))) return {};
     EnergyCorrection correction;
+    int next = removal + 1;  // tests the island again: the correction is exact only if nothing turns
+    bool more;
     if (removal == 1 && grounded[root] != 0) {
       correction = all.scaled();
-      if (all.gain_with(correction.factor) > error)
-        for (int next = removal + 1; next < removals; ++next) atomic_store(flags + next, std::uint32_t{1});
-      return correction;
+      more = all.gain_with(correction.factor) > error;
+      next = removals - 1;
+    } else {
+      if (all.linear() > resolution * unit_of_sum(scale[root]))
+        correction = all.without_share(has_moments(removal) ? 1.0 : largest_descent);
+      more = all.gain_without(correction.share) > error;
     }
-    if (all.linear() > resolution * unit_of_sum(scale[root]))
-      correction = all.without_share(has_moments(removal) ? 1.0 : largest_descent);
-    if (removal + 1 < removals && all.gain_without(correction.share) > error)
-      atomic_store(flags + removal + 1, std::uint32_t{1});
+    if (next >= removals) return correction;
+    active[body] = static_cast<std::uint8_t>(next + 1);
+    if (more)
+      for (int k = removal + 1; k <= next; ++k) atomic_store(flags + k, std::uint32_t{1});
     return correction;
   }
 };

@@ -18,13 +18,14 @@
 // contacts stay where they are if they can.
 //
 // If e = 0, a pair keeps the approach speed s/h, at which it touches at the end of the substep. At planes,
-// the contact solver does the same.
+// the contact solver does the same, except for bodies that heavy ones have hit (shock.h).
 //
 // The threshold grows with the load: 2 a h, where a is the acceleration of the body by gravity and
 // attractors, plus a quarter of the speed that the contact's impulse of the last substep gives. A resting
 // contact approaches by a h per substep. Without the load, tall columns never rest. If a = 0, the threshold
 // is a fraction of the speeds, for rounding. From the third sweep on, 2 a h doubles in each sweep: in a
-// falling pile, ever slower impacts would follow each other up to the last sweep.
+// falling pile, ever slower impacts would follow each other up to the last sweep. It does not double for
+// heavy bodies on light ones that have support, nor at the planes of light bodies that heavy ones have hit.
 //
 // Smith et al., "Reflections on simultaneous impact" (2012), compare this with simultaneous reflections,
 // which keep symmetries and need an inner solve.
@@ -36,6 +37,7 @@
 #include "sim_cuda/core/step_control.h"
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/restitution.h"
+#include "sim_cuda/solver/shock.h"
 #include "sim_cuda/solver/soft_iteration.h"
 #include "sim_cuda/solver/soft_walls.h"
 
@@ -50,6 +52,7 @@ struct ImpactLaw {
   Vector3<Real> gravity;       ///< m/s^2
   const Vector3<Real>* field;  ///< acceleration by attractors, m/s^2, by body; null if the effect is off
   Real h;                      ///< substep, s
+  Real slow;                   ///< m/s: slower approaches have no impact
 
   static constexpr double load_share = 0.25;
   /// From this sweep on, the part by the acceleration doubles in each sweep.
@@ -116,10 +119,54 @@ struct Impact {
   ImpactLaw<Real> law;
   std::uint32_t* again;  ///< set to 1 if a contact gets an impulse: another sweep is needed
   StruckMarks struck;
+  ShockMarks shocks;
+  StaticImpulse* static_impulses;         ///< by body, or null
   std::uint8_t now;                       ///< 2 + the number of this sweep
   const std::uint32_t* needed = nullptr;  ///< 0: the sweep is not needed; or null
 
   SIM_HD bool is_needed() const { return needed == nullptr || atomic_load(needed) != 0; }
+  SIM_HD int sweep() const { return now - 2; }
+
+  /// Impact of a heavy body on a supported light one (shock.h). Returns true if the heavy body got an
+  /// impulse.
+  SIM_HD bool shock(SoftContact<Real>& contact, const Pair& ids, const ContactBodies<Real>& bodies,
+                    Vector3<Real>& v_a, Vector3<Real>& v_b) const {
+    if (sweep() < ShockMarks::first_sweep || !(contact.impact.impulse() > 0)) return false;
+    const Real w_a = bodies.inverse_mass_a, w_b = bodies.inverse_mass_b;
+    if (!shocks.is_shock_pair(ids, w_a, w_b, sweep())) return false;
+    const bool a_heavy = w_a < w_b;
+    const std::uint32_t heavy = a_heavy ? ids.a : ids.b;
+    const Vector3<Real> to_light = a_heavy ? contact.normal : Vector3<Real>(-contact.normal);
+    Vector3<Real>& v = a_heavy ? v_a : v_b;
+    // The velocity of a light body that comes towards the heavy one does not count.
+    const Real approach = v.dot(to_light) - max_of((a_heavy ? v_b : v_a).dot(to_light), Real(0));
+    using std::sqrt;
+    const Real speeds = sqrt(v_a.dot(v_a)) + sqrt(v_b.dot(v_b)), gap = max_of(contact.gap, Real(0));
+    const Vector3<Real> pull = law.acceleration(heavy);
+    if (!(approach > law.threshold(law.rest_speed(pull), speeds, contact.impulse, w_a + w_b))) return false;
+    if (gap > 0 && misses(contact, bodies.radius_a + bodies.radius_b, Vector3<Real>(v_b - v_a),
+                          Vector3<Real>(Vector3<Real>::Zero())))
+      return false;
+    const Real e = law.restitution.of_pair(ids, approach);
+    // A light body that gives way approaches more slowly in each sweep. Then the mean approach so far is much
+    // larger.
+    const Real mean = contact.impact.impulse() * (w_a + w_b) / ((1 + e) * static_cast<Real>(sweep()));
+    if (-(v_b - v_a).dot(contact.normal) < Real(ShockMarks::blocked_share) * mean) return false;
+    const Real velocity_change = approach + (e > 0 ? e * approach : -gap / law.h);
+    if (!(velocity_change > 0)) return false;
+    const Real change = velocity_change / (a_heavy ? w_a : w_b);
+    v -= velocity_change * to_light;
+    contact.impact.add(change);
+    contact.total += change;
+    contact.impulse = e > 0 ? Real(0) : max_of(contact.impulse - change, Real(0));
+    if (static_impulses != nullptr) {
+      add_in_turn(&static_impulses[heavy].impulse, static_cast<double>(change));
+      for (int k = 0; k < 3; ++k)
+        add_in_turn(&static_impulses[heavy].vector[k], -static_cast<double>(change * to_light[k]));
+    }
+    atomic_store(again, std::uint32_t{1});
+    return true;
+  }
   SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
     const Vector3<Real> velocity = motions.velocity();
     const Real approach = -velocity.dot(contact.normal);
@@ -128,7 +175,10 @@ struct Impact {
     const Vector3<Real> zero = Vector3<Real>::Zero();
     const Vector3<Real> a_a = bodies.inverse_mass_a > 0 ? law.acceleration(motions.ids.a) : zero,
                         a_b = bodies.inverse_mass_b > 0 ? law.acceleration(motions.ids.b) : zero;
-    const Real rest = law.growth(now - 2) * max_of(law.rest_speed(a_a), law.rest_speed(a_b));
+    const bool shock_pair =
+        shocks.is_shock_pair(motions.ids, bodies.inverse_mass_a, bodies.inverse_mass_b, sweep());
+    const Real rest =
+        (shock_pair ? Real(1) : law.growth(sweep())) * max_of(law.rest_speed(a_a), law.rest_speed(a_b));
     using std::sqrt;
     const Real speed = sqrt(motions.v_a.dot(motions.v_a)) + sqrt(motions.v_b.dot(motions.v_b));
     if (!(approach >
@@ -147,7 +197,7 @@ struct Impact {
     const Real change = motions.mass * (approach + separation);
     contact.impact.add(change);
     contact.total += change;
-    if (e > 0) contact.impulse = 0;
+    contact.impulse = e > 0 ? Real(0) : max_of(contact.impulse - change, Real(0));
     atomic_store(again, std::uint32_t{1});
     return change;
   }
@@ -165,9 +215,17 @@ struct Impact {
 
   /// Call if the contact has changed the velocities of its bodies. Static bodies may have other contacts in
   /// the same round, and do not change.
-  SIM_HD void mark(const Pair& ids, const ContactBodies<Real>& bodies) const {
-    if (bodies.inverse_mass_a > 0) struck.set(ids.a, now);
-    if (bodies.inverse_mass_b > 0) struck.set(ids.b, now);
+  SIM_HD void mark(const Pair& ids, const ContactBodies<Real>& bodies, const Vector3<Real>& v_a,
+                   const Vector3<Real>& v_b) const {
+    const Real w_a = bodies.inverse_mass_a, w_b = bodies.inverse_mass_b;
+    if (w_a > 0) {
+      struck.set(ids.a, now);
+      shocks.add_impact(ids.a, w_a, ids.b, w_b, v_b.dot(v_b) > 0, sweep());
+    }
+    if (w_b > 0) {
+      struck.set(ids.b, now);
+      shocks.add_impact(ids.b, w_b, ids.a, w_a, v_a.dot(v_a) > 0, sweep());
+    }
   }
 
  private:
@@ -212,9 +270,18 @@ struct ImpactSweeps {
   }
   SIM_HD bool is_tested(int sweep, int part, int item) const {
     if (part >= Colouring::colours) return true;
-    const Pair ids = contacts.contacts.ids[contacts.contacts.begin[part] + static_cast<std::uint32_t>(item)];
+    const std::uint32_t place = contacts.contacts.begin[part] + static_cast<std::uint32_t>(item);
+    const Pair ids = contacts.contacts.ids[place];
     const std::uint8_t* const struck = contacts.act.struck.body;
-    return max_of(struck[ids.a], struck[ids.b]) >= sweep + 1;
+    if (max_of(struck[ids.a], struck[ids.b]) < sweep + 1) return false;
+    // Most contacts do not approach. Their other data are not loaded.
+    const BodyView<Real>& bodies = contacts.bodies;
+    const Vector3<Real> velocity = bodies.velocity[ids.b].load() - bodies.velocity[ids.a].load();
+    const ImpactLaw<Real>& law = contacts.act.law;
+    const Real approach = -velocity.dot(contacts.contacts.soft[place].normal);
+    if (approach > law.slow * law.growth(sweep)) return true;
+    return approach > law.slow && contacts.act.shocks.is_shock_pair(ids, bodies.inverse_mass[ids.a],
+                                                                    bodies.inverse_mass[ids.b], sweep);
   }
   SIM_HD Contacts contacts_in(int sweep) const {
     Contacts now = contacts;
@@ -255,7 +322,10 @@ struct ImpactSweeps {
     const Vector3<Real> v = walls.bodies.velocity[id];
     const ImpactLaw<Real>& law = contacts.act.law;
     const Vector3<Real> pull = law.acceleration(static_cast<std::uint32_t>(id));
-    const Real rest = law.growth(sweep) * law.rest_speed(pull), limit = rest / 2;
+    const ShockMarks& shocks = contacts.act.shocks;
+    if (sweep == 0) shocks.clear(static_cast<std::uint32_t>(id));
+    const bool driven = sweep > 0 && shocks.is_driven(static_cast<std::uint32_t>(id), sweep);
+    const Real rest = (driven ? Real(1) : law.growth(sweep)) * law.rest_speed(pull), limit = rest / 2;
     if (sweep == 0) {
       const bool fast = v.dot(v) > Real(0.99) * limit * limit;  // less than the limit, for rounding
       struck.body[id] = fast ? 1 : 0;
@@ -268,9 +338,12 @@ struct ImpactSweeps {
     if (!walls.may_bounce(body, law, pull, rest)) return;
     walls.load_rest(id, body);
     const bool may_shift = control->contacts == 0 || struck.contacts_of.count[id] == 0;
-    if (!walls.template resolve_impacts<unequal_moments>(id, body, law, pull, rest, may_shift)) return;
+    if (!walls.template resolve_impacts<unequal_moments>(id, body, law, pull, rest, may_shift, driven,
+                                                         sweep == 0))
+      return;
     walls.store(id, body);
     struck.set(static_cast<std::uint32_t>(id), static_cast<std::uint8_t>(sweep + 2));
+    shocks.support(static_cast<std::uint32_t>(id), sweep);
     atomic_store(needed + sweep + 1, std::uint32_t{1});
     if (sweep == 0) atomic_store(needed, std::uint32_t{1});
   }

@@ -199,7 +199,7 @@ struct Iteration {
     const bool acted = resolve(k, a, b);
     if constexpr (requires { Act::mostly_idle; }) {
       if (!acted) return;
-      act.mark(k.ids, k.bodies);
+      act.mark(k.ids, k.bodies, a.v, b.v);
     }
     store(k.ids.a, a);
     store(k.ids.b, b);
@@ -223,6 +223,8 @@ struct Iteration {
 
   /// Solves a contact. Returns true if an impulse has changed.
   SIM_HD bool resolve(Operands& k, Motion& a, Motion& b) const {
+    if constexpr (requires { Act::mostly_idle; })
+      if (act.shock(k.contact, k.ids, k.bodies, a.v, b.v)) return true;
     const Real w_a = k.bodies.inverse_mass_a, w_b = k.bodies.inverse_mass_b;
     const Real change =
         act.solve_normal(k.contact, Motions<Real>{k.ids, k.bodies, a.v, b.v, 1 / (w_a + w_b), 1});
@@ -276,7 +278,7 @@ struct Iteration {
     if (!load_if_ready(k.ids.a, counters.a, a) || !load_if_ready(k.ids.b, counters.b, b)) return false;
     const bool acted = resolve(k, a, b);
     if constexpr (requires { Act::mostly_idle; })
-      if (acted) act.mark(k.ids, k.bodies);
+      if (acted) act.mark(k.ids, k.bodies, a.v, b.v);
     store_with_tag(k.ids.a, counters.next_a, a);
     store_with_tag(k.ids.b, counters.next_b, b);
     if constexpr (requires { Act::mostly_idle; })
@@ -311,7 +313,7 @@ struct Iteration {
         act.solve_normal(k.contact, Motions<Real>{k.ids, k.bodies, v_a, v_b, 1 / w, w / (w_a + w_b)});
     contacts.uncoloured_change[place] = change;
     if constexpr (requires { Act::mostly_idle; })
-      if (change != 0) act.mark(k.ids, k.bodies);
+      if (change != 0) act.mark(k.ids, k.bodies, v_a, v_b);
     if constexpr (Act::has_friction) {
       Vector3<Real>& friction_change = contacts.uncoloured_friction[place];
       friction_change = Vector3<Real>::Zero();

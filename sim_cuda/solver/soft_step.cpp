@@ -45,6 +45,8 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       impact_sweeps_(executor, "impact sweep flags"),
       struck_(executor, "struck bodies"),
       struck_contacts_(executor, "contacts of struck bodies"),
+      driven_(executor, "bodies hit by heavy ones"),
+      supported_(executor, "bodies with impulses of the ground"),
       planes_(executor, scene),
       rolling_(executor),
       kinematic_(executor, scene.bodies, scene.kinematic, scene.control),
@@ -68,6 +70,8 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
     rolling_.enable(scene.bodies, scene.body_count, scene.surfaces(), scene.rolling, scene.control);
   if (scene.effects.continuous_collision) continuous_.enable(scene.bodies, scene.body_count, scene.control);
   struck_.resize_discarding(static_cast<std::size_t>(scene.body_count));
+  driven_.resize_discarding(static_cast<std::size_t>(scene.body_count));
+  supported_.resize_discarding(static_cast<std::size_t>(scene.body_count));
   step_bodies_.resize_discarding(static_cast<std::size_t>(scene.body_count));
   if (scene.effects.friction) body_friction_.resize_discarding(static_cast<std::size_t>(scene.body_count));
 }
@@ -161,22 +165,25 @@ void SoftStepSolver<Real>::resolve_impacts() {
   if (scene_.effects.attractor)
     executor_.run("attractor", scene_.body_count,
                   EvaluateField<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
-  const ImpactLaw<Real> law{scene_.restitution, scene_.gravity,
-                            scene_.effects.attractor ? scene_.field : nullptr, h_};
+  ImpactLaw<Real> law{scene_.restitution, scene_.gravity, scene_.effects.attractor ? scene_.field : nullptr,
+                      h_, 0};
+  if (law.field == nullptr) law.slow = law.rest_speed(scene_.gravity);
   const StruckMarks struck{struck_.data(), struck_contacts_.data(), all_.view(colouring_.degrees()),
                            scene_.control};
+  const ShockMarks shocks{driven_.data(), supported_.data()};
   const auto with = [&]<bool with_box_obstacles, bool unequal_moments>() {
     using Sweeps = ImpactSweeps<Real, with_friction, with_box_obstacles, unequal_moments>;
     using Contacts = typename Sweeps::Contacts;
     std::uint32_t* const needed = impact_sweeps_.data();
     const OrderedContacts<Real, with_friction> contacts = ordered_contacts<with_friction>(true);
     const std::int64_t items = std::max(scene_.body_count, contact_capacity_);
-    Sweeps sweeps{Contacts{contacts, scene_.bodies, {law, nullptr, struck, 0}},
-                  planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
-                  needed,
-                  sleeping_.asleep(),
-                  scene_.control,
-                  0};
+    Sweeps sweeps{
+        Contacts{contacts, scene_.bodies, {law, nullptr, struck, shocks, scene_.static_impulses, 0}},
+        planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
+        needed,
+        sleeping_.asleep(),
+        scene_.control,
+        0};
     // On a GPU, sweeps over contacts without barriers are faster. Most substeps need no more than these.
     // Sweeps with barriers read less of contacts at rest, which matters where memory is the limit.
     const int without_barriers = scene_.body_count > 200'000 ? 0 : 10;
@@ -187,7 +194,8 @@ void SoftStepSolver<Real>::resolve_impacts() {
         executor_.run_rounds("bounce", Contacts::rounds, std::min(contact_capacity_, scene_.body_count / 2),
                              Contacts{contacts,
                                       scene_.bodies,
-                                      {law, needed + sweeps.first + 1, struck, now, needed + sweeps.first}});
+                                      {law, needed + sweeps.first + 1, struck, shocks, scene_.static_impulses,
+                                       now, needed + sweeps.first}});
       }
     executor_.run_rounds("bounce", sweeps.rounds(), items, sweeps);
   };

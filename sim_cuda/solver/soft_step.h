@@ -128,6 +128,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<Vector3<Real>> uncoloured_friction_;      ///< N s
   Buffer<std::uint32_t> impact_sweeps_;            ///< see ImpactSweeps::needed
   Buffer<std::uint8_t> struck_, struck_contacts_;  ///< see StruckMarks
+  Buffer<std::uint8_t> driven_, supported_;        ///< see ShockMarks
   PlaneContacts<Real> planes_;
   RollingResistance<Real> rolling_;
   KinematicMotion<Real> kinematic_;

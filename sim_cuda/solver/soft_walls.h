@@ -1,4 +1,6 @@
 #pragma once
+// More than 400 lines: impacts and iterations share the state of a body at its planes.
+//
 // Plane contacts of `soft_step`. Each body solves its own planes in order: half-space obstacles, box faces
 // of the scene, box obstacles. A box obstacle acts as one plane per body and substep (box_surface.h).
 // Planes are rigid: overlap is removed at once, and no substep ends with a body inside a plane. A view;
@@ -294,10 +296,11 @@ struct SoftWalls {
   }
   /// One sweep over the planes of a body. Returns true if the body got an impulse. `pull`: acceleration,
   /// m/s^2. `rest`: speed of slow impacts, m/s (ImpactLaw). `may_shift`: an impact may move the body to the
-  /// surface (impact.h).
+  /// surface (impact.h). `driven`: impacts without a rebound are resolved, too.
+  /// `is_first`: in sweep 0.
   template <bool unequal_moments>
   SIM_HD bool resolve_impacts(int id, Body& body, const ImpactLaw<Real>& law, const Vector3<Real>& pull,
-                              Real rest, bool may_shift) const {
+                              Real rest, bool may_shift, bool driven, bool is_first) const {
     bool any = false;
     for (int p = 0; p < count(); ++p) {
       const WallPlane<Real>& surface = impact_plane(p, body, law.reach_time() * (body.v + law.h * pull));
@@ -314,9 +317,13 @@ struct SoftWalls {
       const Real arrival = sqrt(max_of(approach * approach + 2 * acceleration * gap, Real(0)));
       const Real e = law.restitution.between(law.restitution.of_body(static_cast<std::uint32_t>(id)),
                                              surface.restitution, arrival);
-      if (!(e > 0)) continue;
       Real separation = may_shift && e < 1 ? Real(0) : law.separation(approach, gap, acceleration, e);
-      if (!(separation > 0)) {
+      // In the last substep, contacts have pressed the body into the plane after its last iteration.
+      const bool unfinished = is_first && load > 0 && 16 * gap < law.h * approach;
+      if (!(e > 0)) {
+        separation = -gap / law.h;
+        if (!(driven || unfinished) || !(approach + separation > rest + law.rounding * speed)) continue;
+      } else if (!(separation > 0)) {
         separation = e * arrival;
         body.x -= gap * normal;
         body.moved = true;
@@ -324,9 +331,11 @@ struct SoftWalls {
       const Real change = body.mass * (approach + separation);
       apply_normal_impulse(id, body, normal, change);
       if (p < plane_mask_bits) bounced_mask[id] |= std::uint32_t{1} << p;
-      if (is_active(body, p)) impulse[here] = 0;
+      const bool leaves = e > 0 && is_active(body, p);
+      if (leaves) impulse[here] = 0;
+      if (!(e > 0) && unfinished) impulse[here] += change;
       if constexpr (with_friction) {
-        if (is_active(body, p)) friction.impulse[here] = Vector3<Real>::Zero();
+        if (leaves) friction.impulse[here] = Vector3<Real>::Zero();
         Vector3<Real> sum = Vector3<Real>::Zero();
         apply_plane_friction<unequal_moments>(id, body, normal, change, sum, surface.friction);
       }

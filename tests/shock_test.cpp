@@ -1,0 +1,147 @@
+// Tests impacts of heavy bodies on light ones that cannot give way (solver/shock.h). Default settings.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tests/energy_scenes.h"
+#include "tests/executors.h"
+
+namespace collidoscope {
+namespace {
+
+class Shocks : public OnEachExecutor {
+ protected:
+  void for_each_setting(Scene scene, const std::function<void(World&)>& check) {
+    for (const Precision precision : {Precision::f32, Precision::f64})
+      for (const Solver solver : {Solver::soft_step, Solver::jacobi_split}) {
+        scene.physics.solver = solver;
+        scene.physics.precision = precision;
+        SCOPED_TRACE(std::string(name_of(solver_names, solver)) + ", " +
+                     std::string(name_of(precision_names, precision)));
+        World world(scene, options());
+        check(world);
+      }
+  }
+};
+ON_EACH_EXECUTOR(Shocks);
+
+/// Light balls one above the other on the floor, each of 1 kg and 1 m, and a heavy one that falls on them.
+Scene heavy_on_column(int light, double mass, double speed, double restitution) {
+  Scene scene = impact_space(restitution, g);
+  for (int k = 0; k < light; ++k) scene.bodies.push_back(ball(1, 0.5, Vector3d(0, 0, 0.5 + k)));
+  scene.bodies.push_back(ball(mass, 1, Vector3d(0, 0, light + 1.5), Vector3d(0, 0, -speed)));
+  scene.obstacles = {Plane{}};
+  return scene;
+}
+
+TEST_P(Shocks, AHeavyBallStopsOnLightOnes) {
+  // Inelastic bodies on the floor stop a body of any mass at once. Without shocks, 100 kg press by 0.5 m into
+  // one light ball, and by 0.8 m into two.
+  for (const int light : {1, 2})
+    for (const double mass : {20.0, 100.0})
+      for_each_setting(heavy_on_column(light, mass, 10, 0), [&](World& world) {
+        const double touching = light + 1;  // m, height of the heavy ball
+        double lowest = touching;
+        for (int k = 0; k < 12; ++k) {
+          world.step();
+          lowest = std::min(lowest, world.bodies().position.back().z());
+        }
+        const double most = world.scene().physics.solver == Solver::soft_step ? 0.12 * light : 0.25 * light;
+        EXPECT_GT(lowest, touching - most) << light << " light balls, " << mass << " kg";
+        EXPECT_LT(std::abs(world.bodies().velocity.back().z()), 0.5)
+            << light << " light balls, " << mass << " kg";
+      });
+}
+
+TEST_P(Shocks, TheGroundGivesTheImpulse) {
+  // Change of momentum = impulse of gravity + impulse of planes.
+  for (const int seed : {1, 4, 8})
+    for (const double restitution : {0.0, 0.6}) {
+      Uniform uniform{Random(static_cast<std::uint32_t>(seed))};
+      Scene scene = heavy_on_pile(uniform);
+      scene.materials[0].restitution = restitution;
+      scene.bodies.back().mass = 500;
+      double mass = 0, speed = 0;
+      for (const Body& body : scene.bodies) mass += *body.mass;
+      for_each_setting(scene, [&](World& world) {
+        const StepStats start = world.measure();
+        for (int k = 0; k < 60; ++k) {
+          world.step();
+          const StepStats now = world.measure();
+          speed = std::max(speed, std::sqrt(2 * now.kinetic_energy / mass));
+          const double size =
+              mass * speed * (world.scene().physics.precision == Precision::f32 ? 2e-5 : 1e-12);
+          for (int axis = 0; axis < 3; ++axis)
+            ASSERT_NEAR(now.momentum[axis] - start.momentum[axis],
+                        now.wall_impulse_vector[axis] + mass * world.time() * scene.physics.gravity[axis],
+                        size)
+                << "seed " << seed << ", state " << k << ", axis " << axis;
+        }
+        EXPECT_GT(world.measure().wall_impulse, 500 * 5);
+      });
+    }
+}
+
+TEST_P(Shocks, HeavyBallsInFreeSpaceKeepTheirMomentum) {
+  // A light ball between two heavy ones, and heavy balls in clusters, far from a plane.
+  std::vector<Scene> scenes{impact_space(0), impact_space(0.7), impact_space(1)};
+  for (Scene& scene : scenes)
+    scene.bodies = {ball(1000, 1, Vector3d(-3, 0, 0), Vector3d(5, 0, 0)), ball(1, 0.5, Vector3d(0, 0.1, 0)),
+                    ball(3000, 1, Vector3d(3, 0, 0.2), Vector3d(-5, 0, 0))};
+  for (int seed = 0; seed < 6; ++seed) {
+    Uniform uniform{Random(static_cast<std::uint32_t>(seed))};
+    scenes.push_back(ball_cluster(uniform, uniform(0, 1), 1e4));
+  }
+  for (Scene& scene : scenes) {
+    scene.obstacles = {Plane{Vector3d(0, 0, 1), -1000, 0}};
+    for_each_setting(scene, [&](World& world) {
+      const StepStats before = world.measure();
+      world.step(120);
+      const StepStats after = world.measure();
+      double size = 0;
+      for (const Body& body : scene.bodies) size += *body.mass * 10;
+      for (int axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(after.momentum[axis], before.momentum[axis],
+                    size * (world.scene().physics.precision == Precision::f32 ? 1e-6 : 1e-14));
+      EXPECT_EQ(after.wall_impulse, 0);
+    });
+  }
+}
+
+TEST_P(Shocks, AnElasticHeavyBallReboundsAndGainsNoEnergy) {
+  for (const double mass : {20.0, 1e4})
+    for_each_setting(heavy_on_column(1, mass, 10, 1), [&](World& world) {
+      const double start = world.measure().energy();
+      double fastest = 0, largest = 0;
+      for (int k = 0; k < 60; ++k) {
+        world.step();
+        const StepStats now = world.measure();
+        fastest = std::max(fastest, world.bodies().velocity.back().z());
+        largest = std::max(largest, now.energy() - now.push_work);
+      }
+      EXPECT_GT(fastest, 9) << mass;  // it hits the light ball at 10.4 m/s
+      EXPECT_LE(largest, start + 1e-3 * mass * 50) << mass;
+    });
+}
+
+TEST_P(Shocks, LightBallsThatCanGiveWayDo) {
+  // The heavy ball pushes two light balls apart on a floor without friction. Its energy changes only by
+  // theirs, and by what the inelastic impacts take: less than theirs.
+  Scene scene = impact_space(0, 0);
+  scene.bodies = {ball(1, 0.5, Vector3d(-0.6, 0, 0.5)), ball(1, 0.5, Vector3d(0.6, 0, 0.5)),
+                  ball(1000, 1, Vector3d(0, 0, 3), Vector3d(0, 0, -5))};
+  scene.obstacles = {Plane{}};
+  for_each_setting(scene, [&](World& world) {
+    for (int k = 0; k < 40 && world.bodies().position[2].z() > 1.3; ++k) world.step();
+    const BodyStates states = world.bodies();
+    EXPECT_LT(states.velocity[2].z(), -4.9);
+    EXPECT_GT(states.velocity[1].x(), 5);
+  });
+}
+
+}  // namespace
+}  // namespace collidoscope
