@@ -170,20 +170,20 @@ struct Impact {
   SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
     const Vector3<Real> velocity = motions.velocity();
     const Real approach = -velocity.dot(contact.normal);
-    if (!(approach > 0)) return 0;
+    if (!(approach > law.slow)) return 0;
     const ContactBodies<Real>& bodies = motions.bodies;
     const Vector3<Real> zero = Vector3<Real>::Zero();
     const Vector3<Real> a_a = bodies.inverse_mass_a > 0 ? law.acceleration(motions.ids.a) : zero,
                         a_b = bodies.inverse_mass_b > 0 ? law.acceleration(motions.ids.b) : zero;
-    const bool shock_pair =
-        shocks.is_shock_pair(motions.ids, bodies.inverse_mass_a, bodies.inverse_mass_b, sweep());
-    const Real rest =
-        (shock_pair ? Real(1) : law.growth(sweep())) * max_of(law.rest_speed(a_a), law.rest_speed(a_b));
+    const Real w_a = bodies.inverse_mass_a, w_b = bodies.inverse_mass_b;
+    Real rest = max_of(law.rest_speed(a_a), law.rest_speed(a_b));
     using std::sqrt;
     const Real speed = sqrt(motions.v_a.dot(motions.v_a)) + sqrt(motions.v_b.dot(motions.v_b));
-    if (!(approach >
-          law.threshold(rest, speed, contact.impulse, bodies.inverse_mass_a + bodies.inverse_mass_b)))
-      return 0;
+    if (!(approach > law.threshold(rest, speed, contact.impulse, w_a + w_b))) return 0;
+    if (sweep() >= law.first_growing_sweep && !shocks.is_shock_pair(motions.ids, w_a, w_b, sweep())) {
+      rest *= law.growth(sweep());
+      if (!(approach > law.threshold(rest, speed, contact.impulse, w_a + w_b))) return 0;
+    }
     const Vector3<Real> pull = a_b - a_a;
     if (contact.gap > 0 && misses(contact, motions.reach(), velocity, pull)) return 0;
     const Real e = law.restitution.of_pair(motions.ids, approach), gap = max_of(contact.gap, Real(0));

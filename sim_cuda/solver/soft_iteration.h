@@ -277,12 +277,12 @@ struct Iteration {
     Motion a, b;
     if (!load_if_ready(k.ids.a, counters.a, a) || !load_if_ready(k.ids.b, counters.b, b)) return false;
     const bool acted = resolve(k, a, b);
-    if constexpr (requires { Act::mostly_idle; })
-      if (acted) act.mark(k.ids, k.bodies, a.v, b.v);
     store_with_tag(k.ids.a, counters.next_a, a);
     store_with_tag(k.ids.b, counters.next_b, b);
-    if constexpr (requires { Act::mostly_idle; })
+    if constexpr (requires { Act::mostly_idle; }) {
       if (!acted) return true;
+      act.mark(k.ids, k.bodies, a.v, b.v);  // for later sweeps
+    }
     contacts.template store<Act::sums>(k, acted);
     return true;
   }
