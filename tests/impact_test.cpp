@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/each_setting.h"
 #include "tests/executors.h"
 #include "tests/impact_scenes.h"
 
@@ -18,20 +19,9 @@ double energy_tolerance(const World& world) {
 
 class Impacts : public OnEachExecutor {
  protected:
-  /// Calls `check` with a world of `scene` for both solvers and both precisions. `half`: for soft_step in
-  /// float and jacobi_split in double.
   template <class Check>
-  void for_each_setting(Scene scene, const Check& check, bool half = false) {
-    for (const Precision precision : {Precision::f32, Precision::f64})
-      for (const Solver solver : {Solver::soft_step, Solver::jacobi_split}) {
-        if (half && (precision == Precision::f32) != (solver == Solver::soft_step)) continue;
-        scene.physics.solver = solver;
-        scene.physics.precision = precision;
-        SCOPED_TRACE(std::string(name_of(solver_names, solver)) + ", " +
-                     std::string(name_of(precision_names, precision)));
-        World world(scene, options());
-        check(world);
-      }
+  void for_each_setting(const Scene& scene, const Check& check, bool half = false) {
+    collidoscope::for_each_setting(scene, options(), check, half);
   }
   /// The energy after each step must be the initial one. No body may leave the box.
   void expect_same_energy(const Scene& scene, int steps, int every = 1, bool half = false) {

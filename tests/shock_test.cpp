@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <functional>
-#include <string>
+#include <cmath>
 #include <vector>
 
+#include "tests/each_setting.h"
 #include "tests/energy_scenes.h"
 #include "tests/executors.h"
 
@@ -15,16 +15,9 @@ namespace {
 
 class Shocks : public OnEachExecutor {
  protected:
-  void for_each_setting(Scene scene, const std::function<void(World&)>& check) {
-    for (const Precision precision : {Precision::f32, Precision::f64})
-      for (const Solver solver : {Solver::soft_step, Solver::jacobi_split}) {
-        scene.physics.solver = solver;
-        scene.physics.precision = precision;
-        SCOPED_TRACE(std::string(name_of(solver_names, solver)) + ", " +
-                     std::string(name_of(precision_names, precision)));
-        World world(scene, options());
-        check(world);
-      }
+  template <class Check>
+  void for_each_setting(const Scene& scene, const Check& check) {
+    collidoscope::for_each_setting(scene, options(), check);
   }
 };
 ON_EACH_EXECUTOR(Shocks);
