@@ -9,6 +9,9 @@
 
 namespace collidoscope {
 
+/// Approximate number of items that a thread takes at a time.
+inline constexpr std::int64_t usual_chunk = 512;
+
 /// Calls a stage for `count` items: first, first + stride, first + 2 stride, ...
 using ItemLoop = void (*)(const void* stage, std::int64_t first, std::int64_t stride, std::int64_t count);
 

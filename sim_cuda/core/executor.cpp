@@ -207,12 +207,12 @@ void Executor::count_launches(int launches) {
   if (!on_device()) stages_.count_launches(launches);
 }
 
-void Executor::count_loop(std::int64_t items, std::int64_t lanes) {
+void Executor::count_loop(std::int64_t items, std::int64_t lanes, std::int64_t chunk) {
   if (!stages_.counting()) return;
   StageLaunch launch;
   launch.items = items;
-  launch.chunk = lanes > 0 ? (items + lanes - 1) / lanes : cpu_chunk;
-  launch.blocks = lanes > 0 ? lanes : (items + cpu_chunk - 1) / cpu_chunk;
+  launch.chunk = lanes > 0 ? (items + lanes - 1) / lanes : chunk;
+  launch.blocks = lanes > 0 ? lanes : (items + chunk - 1) / chunk;
   launch.threads = static_cast<int>(std::clamp<std::int64_t>(launch.blocks, 1, team_.threads()));
   launch.limit =
       launch_limit(launch.blocks, lanes > 0 ? items : launch.blocks, team_.threads(), LaunchLimit::threads);
@@ -239,17 +239,17 @@ std::int64_t Executor::list_marked(std::int64_t count, const ItemMarks& marks) {
   return next - marked_.data();
 }
 
-void Executor::run_loop(std::int64_t count, const void* stage, ItemLoop loop) {
+void Executor::run_loop(std::int64_t count, std::int64_t chunk, const void* stage, ItemLoop loop) {
   const LaunchShape shape = shape_of_stage(stages_.stage(), options_.shape, options_.stage_shapes);
   const bool automatic = shape.blocks == 0 || shape.threads == 0;
   if (automatic && options_.lane_order == LaneOrder::contiguous) {
-    count_loop(count, 0);
-    return run_in_chunks(team_, count, cpu_chunk, loop, stage);
+    count_loop(count, 0, chunk);
+    return run_in_chunks(team_, count, chunk, loop, stage);
   }
   const std::int64_t requested = automatic ? 64 : static_cast<std::int64_t>(shape.blocks) * shape.threads;
   const std::int64_t lanes = std::min(requested, count);
-  count_loop(count, lanes);
-  run_in_lanes(team_, count, lanes, options_.lane_order, cpu_chunk, loop, stage);
+  count_loop(count, lanes, chunk);
+  run_in_lanes(team_, count, lanes, options_.lane_order, chunk, loop, stage);
 }
 
 }  // namespace collidoscope

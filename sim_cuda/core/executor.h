@@ -189,14 +189,16 @@ class Executor {
  private:
   friend class StepGraph;  // reports the begin and the end of a step to stages_
 
-  /// CPU with automatic (B, T): approximate number of items per chunk.
-  static constexpr std::int64_t cpu_chunk = 512;
+  /// A stage with items of unusual size may have `std::int64_t items_per_chunk() const`.
   template <class Stage>
   void run_on_cpu(std::int64_t count, const Stage& stage) {
-    run_loop(count, &stage, [](const void* one, std::int64_t first, std::int64_t stride, std::int64_t items) {
+    std::int64_t chunk = usual_chunk;
+    if constexpr (requires { stage.items_per_chunk(); }) chunk = stage.items_per_chunk();
+    const ItemLoop loop = [](const void* one, std::int64_t first, std::int64_t stride, std::int64_t items) {
       const Stage& s = *static_cast<const Stage*>(one);
       for (std::int64_t k = 0; k < items; ++k) s(static_cast<int>(first + k * stride));
-    });
+    };
+    run_loop(count, chunk, &stage, loop);
   }
   template <class Stage>
   void run_marked_on_cpu(std::int64_t count, const Stage& stage) {
@@ -207,9 +209,9 @@ class Executor {
   }
   /// Lists the marked ones of `count` items in `marked_`, in order. Returns their number.
   std::int64_t list_marked(std::int64_t count, const ItemMarks& marks);
-  void run_loop(std::int64_t count, const void* stage, ItemLoop loop);
+  void run_loop(std::int64_t count, std::int64_t chunk, const void* stage, ItemLoop loop);
   /// Records one parallel loop of the stage in progress. `lanes`: lanes that share the items; 0: chunks.
-  void count_loop(std::int64_t items, std::int64_t lanes);
+  void count_loop(std::int64_t items, std::int64_t lanes, std::int64_t chunk);
   void suspend_cancellation(int more);
   void check_shape(LaunchShape shape) const;
   bool cancels_between_steps() const;

@@ -121,6 +121,8 @@ struct ListedItems {
   Stage stage;
   const int* items;
   void operator()(int k) const { stage(items == nullptr ? k : items[k]); }  // on the CPU only
+  std::int64_t items_per_chunk() const requires requires { stage.items_per_chunk(); }
+  { return stage.items_per_chunk(); }
 };
 
 #if defined(__CUDACC__)

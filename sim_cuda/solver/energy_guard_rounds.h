@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include "sim_cuda/core/atomics.h"
+#include "sim_cuda/core/cpu_lanes.h"
 #include "sim_cuda/core/disjoint_sets.h"
 #include "sim_cuda/core/round_kernels.h"
 #include "sim_cuda/solver/energy_guard_bodies.h"
@@ -50,14 +51,14 @@ struct GuardRounds : GuardedBodies<Real> {
   SIM_HD std::int64_t items(int round) const {
     const auto contact_count = static_cast<std::int64_t>(control->contacts);
     if (control->overflow) return -1;
-    if (round < test_rounds) return round == 2 ? 1 : body_count;
-    if (atomic_load(flags + removal_of(round)) == 0) return -1;
-    if (round == 3) return body_count;
+    if (round >= test_rounds && atomic_load(flags + removal_of(round)) == 0) return -1;
+    if (is_by_group(round)) return (body_count + group - 1) / group;
+    if (round == 2) return 1;
     if (round == 4) return contact_count;
     if (round == 5) return joints.count;
-    const Part part = part_of(round);
-    if (part == Part::gather || part == Part::gather_rigid) return (body_count + group - 1) / group;
-    return part == Part::clear && removal_of(round) > 0 ? max_of(body_count, contact_count) : body_count;
+    const bool clears_contacts =
+        round >= first_rounds && part_of(round) == Part::clear && removal_of(round) > 0;
+    return clears_contacts ? max_of(body_count, contact_count) : body_count;
   }
   /// A round on the CPU; see MarkedRounds.
   struct Round {
@@ -66,12 +67,11 @@ struct GuardRounds : GuardedBodies<Real> {
     void operator()(int item) const { rounds(number, item); }
     ItemMarks marks() const {
       const int removal = removal_of(number);
-      if (number < first_rounds) return {};
-      const Part part = part_of(number);
-      const bool by_group = part == Part::gather || part == Part::gather_rigid;
-      if (by_group || (part == Part::clear && removal > 0)) return {};
+      if (number < first_rounds || is_by_group(number)) return {};
+      if (part_of(number) == Part::clear && removal > 0) return {};
       return {rounds.active, static_cast<std::uint8_t>(removal + 1)};
     }
+    std::int64_t items_per_chunk() const { return is_by_group(number) ? 1 : usual_chunk; }
   };
   Round round(int number) const { return {*this, number}; }
   SIM_HD void operator()(int round, int item) const {
@@ -96,13 +96,13 @@ struct GuardRounds : GuardedBodies<Real> {
       case Part::scale_rigid:
         return find_rigid_scale(item);
       case Part::add_rigid:
-        return add_rigid(item);
+        return add_terms<RigidSums::count>(removal, rigid_sums, item, RigidUnits{*this});
       case Part::gather_rigid:
         return gather<RigidSums::count>(removal, rigid_sums, item);
       case Part::scale:
         return find_scale(removal, item);
       case Part::add:
-        return add(removal, item);
+        return add_terms<EnergyTerms::count>(removal, sums, item, EnergyUnits{*this});
       case Part::gather:
         return gather<EnergyTerms::count>(removal, sums, item);
       case Part::remove:
@@ -130,6 +130,19 @@ struct GuardRounds : GuardedBodies<Real> {
     return static_cast<Part>(part == 0 || is_rigid(removal) ? part : part + rigid_rounds);
   }
   SIM_HD static bool is_rigid(int removal) { return removal == removals - 1; }
+  /// True if an item of the round is a group of bodies. On the CPU, this includes the rounds that add terms
+  /// of bodies: atomics of several threads at one sum take much longer than the terms.
+  SIM_HD static bool is_by_group(int round) {
+#if defined(__CUDA_ARCH__)
+    constexpr bool adds_groups = false;
+#else
+    constexpr bool adds_groups = true;
+#endif
+    if (round < first_rounds) return adds_groups && round == 1;
+    const Part part = part_of(round);
+    return part == Part::gather || part == Part::gather_rigid ||
+           (adds_groups && (part == Part::add || part == Part::add_rigid));
+  }
 
   // ---- rounds ----
 
@@ -148,11 +161,27 @@ struct GuardRounds : GuardedBodies<Real> {
     }
     atomic_max(largest, std::bit_cast<std::uint32_t>(size));
   }
-  SIM_HD void add_gain(int body) const {
-    if (gains[body] == 0) return;
+  /// `item`: a body, or a group on the CPU.
+  SIM_HD void add_gain(int item) const {
+#if defined(__CUDA_ARCH__)
+    if (gains[item] == 0) return;
     constexpr int bodies_per_slot = 32;  // those of a warp
-    atomic_add_aggregated<1>(&total[body / bodies_per_slot % total_slots],
-                             {in_units(gains[body], unit_of_sum(*largest))});
+    atomic_add_aggregated<1>(&total[item / bodies_per_slot % total_slots],
+                             {in_units(gains[item], unit_of_sum(*largest))});
+#else
+    const double one = unit_of_sum(*largest);
+    std::uint64_t sum = 0;
+    for_each_body(item, [&](int body) {
+      if (gains[body] != 0) sum += in_units(gains[body], one);
+    });
+    if (sum != 0) atomic_add(&total[item % total_slots], sum);
+#endif
+  }
+  /// Calls `act` for the bodies of a group.
+  template <class Act>
+  SIM_HD void for_each_body(int number, const Act& act) const {
+    const int first = number * group;
+    for (int body = first; body < body_count && body < first + group; ++body) act(body);
   }
   SIM_HD void test() const {
     std::uint64_t sum = 0;
@@ -260,18 +289,30 @@ struct GuardRounds : GuardedBodies<Real> {
         atomic_max(&rigid_scale[at(root, kind, RigidSums::kinds)], std::bit_cast<std::uint32_t>(size));
     }
   }
-  SIM_HD void add_rigid(int body) const {
-    if (!is_active(removals - 1, static_cast<std::uint32_t>(body))) return;
-    const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
-    const RigidSums terms = rigid_terms(body, root);
-    std::uint64_t units[RigidSums::count] = {};
-    for (std::uint32_t k = 0; k < RigidSums::count; ++k) {
-      const std::uint32_t scale_bits = rigid_scale[at(root, RigidSums::kind_of(k), RigidSums::kinds)];
-      if (scale_bits != 0)
-        units[k] = in_units(terms.values[k], unit_of_sum(scale_bits, rigid_bits()), rigid_bits());
+  /// Terms of a body in units of the sums of its island. Returns false if there are none.
+  struct RigidUnits {
+    const GuardRounds& rounds;
+    SIM_HD bool operator()(int body, std::uint32_t root, std::uint64_t (&units)[RigidSums::count]) const {
+      const RigidSums terms = rounds.rigid_terms(body, root);
+      const int bits = rounds.rigid_bits();
+      for (std::uint32_t k = 0; k < RigidSums::count; ++k) {
+        const std::uint32_t scale_bits =
+            rounds.rigid_scale[at(root, RigidSums::kind_of(k), RigidSums::kinds)];
+        if (scale_bits != 0) units[k] = in_units(terms.values[k], unit_of_sum(scale_bits, bits), bits);
+      }
+      return true;
     }
-    atomic_add_aggregated(&rigid_sums[at(place_of_sum(body, root), 0, RigidSums::count)], units);
-  }
+  };
+  struct EnergyUnits {
+    const GuardRounds& rounds;
+    SIM_HD bool operator()(int body, std::uint32_t root, std::uint64_t (&units)[EnergyTerms::count]) const {
+      if (rounds.scale[root] == 0) return false;
+      const EnergyTerms terms = rounds.terms_of[body];
+      const double one = unit_of_sum(rounds.scale[root]);
+      for (std::uint32_t k = 0; k < EnergyTerms::count; ++k) units[k] = in_units(terms.values[k], one);
+      return true;
+    }
+  };
   SIM_HD void find_scale(int removal, int body) const {
     if (!is_active(removal, static_cast<std::uint32_t>(body))) return;
     const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
@@ -280,15 +321,35 @@ struct GuardRounds : GuardedBodies<Real> {
     const float size = static_cast<float>(sum.largest());
     if (is_finite(size) && size > 0) atomic_max(&scale[root], std::bit_cast<std::uint32_t>(size));
   }
-  SIM_HD void add(int removal, int body) const {
-    if (!is_active(removal, static_cast<std::uint32_t>(body))) return;
-    const std::uint32_t root = root_of(parent, static_cast<std::uint32_t>(body));
-    if (scale[root] == 0) return;
-    const EnergyTerms sum = terms_of[body];
-    const double one = unit_of_sum(scale[root]);
-    std::uint64_t units[EnergyTerms::count];
-    for (std::uint32_t k = 0; k < EnergyTerms::count; ++k) units[k] = in_units(sum.values[k], one);
-    atomic_add_aggregated(&sums[at(place_of_sum(body, root), 0, EnergyTerms::count)], units);
+  /// Adds the terms of a body to the sums of its island. `item`: the body, or its group on the CPU.
+  template <std::uint32_t count, class UnitsOf>
+  SIM_HD void add_terms(int removal, std::uint64_t* sums_by_body, int item, const UnitsOf& units_of) const {
+#if defined(__CUDA_ARCH__)
+    const auto id = static_cast<std::uint32_t>(item);
+    if (!is_active(removal, id)) return;
+    const std::uint32_t root = root_of(parent, id);
+    std::uint64_t units[count] = {};
+    if (units_of(item, root, units))
+      atomic_add_aggregated(&sums_by_body[at(place_of_sum(item, root), 0, count)], units);
+#else
+    std::uint64_t sum[count] = {};
+    std::uint32_t place = 0;
+    for_each_body(item, [&](int body) {
+      const auto id = static_cast<std::uint32_t>(body);
+      if (!is_active(removal, id)) return;
+      const std::uint32_t root = root_of(parent, id);
+      std::uint64_t units[count] = {};
+      if (!units_of(body, root, units)) return;
+      const std::uint32_t next = place_of_sum(body, root);
+      if (next != place) {
+        atomic_add_aggregated(&sums_by_body[at(place, 0, count)], sum);
+        for (std::uint64_t& value : sum) value = 0;
+        place = next;
+      }
+      for (std::uint32_t k = 0; k < count; ++k) sum[k] += units[k];
+    });
+    atomic_add_aggregated(&sums_by_body[at(place, 0, count)], sum);
+#endif
   }
   /// The body at whose place the term of a body is added: the first of its group if that is in the same
   /// island, else the root. On a GPU, atomics at the root of a large island are a bottleneck.
