@@ -189,7 +189,7 @@ class Executor {
  private:
   friend class StepGraph;  // reports the begin and the end of a step to stages_
 
-  /// A stage with items of unusual size may have `std::int64_t items_per_chunk() const`.
+  /// A stage whose items take much longer than usual may have `std::int64_t items_per_chunk() const`.
   template <class Stage>
   void run_on_cpu(std::int64_t count, const Stage& stage) {
     std::int64_t chunk = usual_chunk;
