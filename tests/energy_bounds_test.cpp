@@ -133,13 +133,20 @@ Scene in_four_iterations(Uniform& uniform) {
   return scene;
 }
 TEST_P(EnergyBounds, PushWorkWithoutInitialOverlap) {
-  // One iteration does not pass on all loads of a pile, so bodies overlap, and are pushed apart later. 31 of
-  // 2,000 runs exceed the bound; the worst has 0.029. With jacobi_split 40 of 2,000; 0.039.
+  // One iteration does not pass on all loads of a pile, so bodies overlap, and are pushed apart later. 22 of
+  // 4,000 runs exceed the bound; the worst has 0.023. With jacobi_split 8 of 2,000; 0.025.
   for (const Solver solver : {Solver::soft_step, Solver::jacobi_split})
     check(10, 4, 0.01, without_overlap,
-          {.value = &EnergyCourse::push_work, .solvers = {solver}, .share_above = 0.04, .most = 0.05});
+          {.value = &EnergyCourse::push_work, .solvers = {solver}, .share_above = 0.01, .most = 0.03});
 }
-/// Of 1,000 runs with each solver, one exceeds the bound, by 0.4 %.
+/// Contacts yield under the loads of the stop, and lift the pile afterwards: by more than 0.01 in 11 of 60
+/// runs, at most 0.025. Without smaller loads (EnergyGuard) it is about 0.05; with jacobi_split, whose passes
+/// do not reach the ground, 0.05 to 0.2.
+TEST_P(EnergyBounds, PushWorkOfTallPiles) {
+  check(6, 5, 0.03, tall_pile,
+        {.value = &EnergyCourse::push_work, .solvers = {Solver::soft_step}, .rates = {60}});
+}
+/// With soft_step, none of 2,000 runs exceeds the bound; with jacobi_split two, at most by 0.9 %.
 TEST_P(EnergyBounds, PushWorkWithoutInitialOverlapInFourIterations) {
   for (const Solver solver : {Solver::soft_step, Solver::jacobi_split})
     check(10, 4, 0.01, in_four_iterations,

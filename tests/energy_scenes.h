@@ -25,6 +25,20 @@ inline Scene any_gas(Uniform& uniform) {
 
 inline Scene any_pile(Uniform& uniform) { return falling_pile(uniform, 40, 3, any_restitution(uniform)); }
 
+/// 45 layers of equal balls fall in a shaft.
+inline Scene tall_pile(Uniform& uniform) {
+  Scene scene = impact_space(0.5, g);
+  constexpr int side = 4, layers = 45;
+  constexpr double cell = 1.05;
+  const auto shake = [&] { return uniform(-0.02, 0.02); };
+  for (int c = 0; c < layers * side * side; ++c)
+    scene.bodies.push_back(
+        sphere(0.5, Vector3d{cell * (c / side % side + 0.5) + shake(), cell * (c % side + 0.5) + shake(),
+                             0.6 + 1.1 * (c / (side * side)) + shake()}));
+  scene.box = Box{Vector3d(0, 0, 0), Vector3d(cell * side, cell * side, 1000)};
+  return scene;
+}
+
 /// A heavy ball falls on balls in a shaft.
 inline Scene heavy_on_pile(Uniform& uniform) {
   Scene scene = impact_space(any_restitution(uniform), g);

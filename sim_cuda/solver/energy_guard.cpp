@@ -29,6 +29,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
       active_(executor, "energy guard active bodies"),
       rigid_scale_(executor, "energy guard rigid scales"),
       rigid_sums_(executor, "energy guard rigid sums"),
+      load_factor_(executor, "energy guard load factors"),
       is_free_(executor, "freely moving bodies") {
   const auto n = static_cast<std::size_t>(scene.body_count);
   start_velocity_.resize_discarding(n);
@@ -50,6 +51,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
   active_.resize_discarding(n);
   rigid_scale_.resize_discarding(std::size_t{RigidSums::kinds} * n);
   rigid_sums_.resize_discarding(std::size_t{RigidSums::count} * n);
+  if (!scene.effects.friction) load_factor_.resize_discarding(n);
   if (scene.integrator != Integrator::semi_implicit_euler) is_free_.resize_discarding(n);
 }
 
@@ -58,43 +60,45 @@ void EnergyGuard<Real>::apply(Real h, bool is_first_substep, const GuardedContac
                               std::int64_t contact_capacity) {
   executor_.run_rounds(
       "relax", GuardRounds<Real>::rounds, std::max(scene_.body_count, contact_capacity),
-      GuardRounds<Real>{{scene_.bodies,
-                         scene_.body_count,
-                         start_velocity_.data(),
-                         start_spin(),
-                         start_rotation(),
-                         moved_velocity_.data(),
-                         is_free(),
-                         scene_.gravity,
-                         scene_.effects.attractor ? scene_.field : nullptr,
-                         scene_.effects.gravity || scene_.effects.attractor,
-                         is_first_substep,
-                         h,
-                         contacts,
-                         scene_.planes,
-                         scene_.plane_count,
-                         scene_.surfaces(),
-                         scene_.joints != nullptr ? scene_.joints->view() : JointView<Real>{},
-                         scene_.joints != nullptr ? scene_.joints->is_jointed() : nullptr,
-                         scene_.joints != nullptr ? scene_.joints->members() : nullptr,
-                         scene_.joints != nullptr ? scene_.joints->loops() : LoopView<Real>{},
-                         scene_.joints != nullptr ? scene_.joints->spring_impulses() : SpringImpulses<Real>{},
-                         scene_.static_impulses,
-                         scene_.control},
-                        gains_.data(),
-                        largest_.data(),
-                        total_.data(),
-                        flags_.data(),
-                        parent_.data(),
-                        scale_.data(),
-                        terms_.data(),
-                        changes_.data(),
-                        sums_.data(),
-                        exempt_.data(),
-                        grounded_.data(),
-                        active_.data(),
-                        rigid_scale_.data(),
-                        rigid_sums_.data()});
+      GuardRounds<Real>{
+          {{scene_.bodies,
+            scene_.body_count,
+            start_velocity_.data(),
+            start_spin(),
+            start_rotation(),
+            moved_velocity_.data(),
+            is_free(),
+            scene_.gravity,
+            scene_.effects.attractor ? scene_.field : nullptr,
+            scene_.effects.gravity || scene_.effects.attractor,
+            is_first_substep,
+            h,
+            contacts,
+            scene_.planes,
+            scene_.plane_count,
+            scene_.surfaces(),
+            scene_.joints != nullptr ? scene_.joints->view() : JointView<Real>{},
+            scene_.joints != nullptr ? scene_.joints->is_jointed() : nullptr,
+            scene_.joints != nullptr ? scene_.joints->members() : nullptr,
+            scene_.joints != nullptr ? scene_.joints->loops() : LoopView<Real>{},
+            scene_.joints != nullptr ? scene_.joints->spring_impulses() : SpringImpulses<Real>{},
+            scene_.static_impulses,
+            scene_.control},
+           parent_.data(),
+           scale_.data(),
+           terms_.data(),
+           changes_.data(),
+           sums_.data(),
+           exempt_.data(),
+           grounded_.data(),
+           active_.data(),
+           rigid_scale_.data(),
+           rigid_sums_.data(),
+           load_factor_.size() > 0 ? load_factor_.data() : nullptr},
+          gains_.data(),
+          largest_.data(),
+          total_.data(),
+          flags_.data()});
 }
 
 template class EnergyGuard<float>;

@@ -27,10 +27,18 @@
 // the island touches planes or static bodies, the last removal takes a share of the motion itself.
 //
 // Impulses act along the normals at the current positions, so momentum and angular momentum are conserved. So
-// does the last removal.
-// The impulses for warm starting are not changed: a load that was reduced here would be missing in the next
-// substep, and a column would never come to rest. Bodies that moved freely have no term m h^2 g . g / 2,
-// because free flight is exact.
+// does the last removal. Bodies that moved freely have no term m h^2 g . g / 2, because free flight is exact.
+//
+// The impulses for warm starting (loads) keep the removed share: at rest, a load that is reduced would be
+// missing in the next substep. An island that moves has loads of its deceleration; if it gains energy, they
+// are too large, and would lift it again. They are multiplied by the factor f in [0.8, 1] that leaves the
+// least kinetic energy in the next substep, in which a body without loads would have the velocity
+// 2 v - w - P / m:
+//
+//   f = 1 + s - sum of (2 v - w) . P / D
+//
+// With friction, loads stay as they are: piles lose their motion by friction, and smaller loads would let
+// heavy bodies sink onto light ones that are wedged between them.
 //
 // An island is a set of dynamic bodies that are connected by contacts that have pressed in the step, or by
 // joints. The sets only grow within a step, so a substep starts with those of the last one. Springs are
@@ -63,11 +71,11 @@ namespace collidoscope {
 template <class Real>
 struct GuardedContacts {
   const Pair* ids;  ///< by place, as the next two
-  const PackedContact<Real>* soft;
+  PackedContact<Real>* soft;
   const ContactSums<Real>* sums;
   Real* opposing;                        ///< N s; memory for one impulse per place
   ContactsByBodyView by_body;            ///< places of all contacts
-  const Real* plane_impulse;             ///< N s; index surface * body count + body
+  Real* plane_impulse;                   ///< N s; index surface * body count + body
   const Vector3<Real>* plane_friction;   ///< N s; null without friction
   const ContactPlane<Real>* box_planes;  ///< contact planes of boxes; index box * body count + body
   const std::uint8_t* asleep;            ///< by body, or null
@@ -122,6 +130,7 @@ class EnergyGuard {
   Buffer<std::uint8_t> active_;        ///< by body: see GuardRounds
   Buffer<std::uint32_t> rigid_scale_;  ///< see GuardRounds
   Buffer<std::uint64_t> rigid_sums_;   ///< see GuardRounds
+  Buffer<float> load_factor_;          ///< see GuardRounds; empty with friction
   Buffer<std::uint8_t> is_free_;       ///< by body; empty with Euler's integrator
 };
 
