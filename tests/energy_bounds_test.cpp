@@ -134,7 +134,7 @@ Scene in_four_iterations(Uniform& uniform) {
 }
 TEST_P(EnergyBounds, PushWorkWithoutInitialOverlap) {
   // One iteration does not pass on all loads of a pile, so bodies overlap, and are pushed apart later. 22 of
-  // 4,000 runs exceed the bound; the worst has 0.023. With jacobi_split 8 of 2,000; 0.025.
+  // 4,000 runs exceed the bound; the worst has 0.023. With jacobi_split 7 of 2,000; 0.025.
   for (const Solver solver : {Solver::soft_step, Solver::jacobi_split})
     check(10, 4, 0.01, without_overlap,
           {.value = &EnergyCourse::push_work, .solvers = {solver}, .share_above = 0.01, .most = 0.03});
@@ -146,7 +146,7 @@ TEST_P(EnergyBounds, PushWorkOfTallPiles) {
   check(6, 5, 0.03, tall_pile,
         {.value = &EnergyCourse::push_work, .solvers = {Solver::soft_step}, .rates = {60}});
 }
-/// With soft_step, none of 2,000 runs exceeds the bound; with jacobi_split two, at most by 0.9 %.
+/// With soft_step, none of 2,000 runs exceeds the bound; with jacobi_split two, at most by 0.5 %.
 TEST_P(EnergyBounds, PushWorkWithoutInitialOverlapInFourIterations) {
   for (const Solver solver : {Solver::soft_step, Solver::jacobi_split})
     check(10, 4, 0.01, in_four_iterations,
