@@ -108,10 +108,10 @@ struct GuardRounds : GuardSums<Real> {
   /// Largest share of opposing impulses: twice what stops a single pair.
   static constexpr double largest_descent = 2;
   /// Loads are reduced to this share at most: impulses of the next iteration must replace what is missing.
-  /// With 1, a tall pile that is stopped rises by ten times as much. 0.95 has half of the effect.
+  /// With 1, a tall pile that is stopped rises by ten times as much. 0.95 has a quarter of the effect.
   static constexpr double least_load_factor = 0.8;
   /// Islands slower than this keep their loads: sum of m v . v over that of P . P / m, which is the sum of
-  /// m (g h)^2 at rest. Below 1/3, tall columns do not come to rest.
+  /// m (g h)^2 at rest. With 0.3, tall columns do not come to rest; with 1 they do.
   static constexpr double least_motion = 2;
   static constexpr double relative_rounding = sizeof(Real) == 4 ? 1e-6 : 1e-9;
 
