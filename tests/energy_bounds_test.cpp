@@ -140,8 +140,7 @@ TEST_P(EnergyBounds, PushWorkWithoutInitialOverlap) {
           {.value = &EnergyCourse::push_work, .solvers = {solver}, .share_above = 0.01, .most = 0.03});
 }
 /// Contacts yield under the loads of the stop, and lift the pile afterwards: by more than 0.01 in 11 of 60
-/// runs, at most 0.025. Without smaller loads (EnergyGuard) it is about 0.05; with jacobi_split, whose passes
-/// do not reach the ground, 0.05 to 0.2.
+/// runs, at most 0.025. If the energy guard keeps all loads, it is about 0.05; with jacobi_split 0.05 to 0.2.
 TEST_P(EnergyBounds, PushWorkOfTallPiles) {
   check(6, 5, 0.03, tall_pile,
         {.value = &EnergyCourse::push_work, .solvers = {Solver::soft_step}, .rates = {60}});

@@ -37,8 +37,7 @@
 //
 //   f = 1 + s - sum of (2 v - w) . P / D
 //
-// With friction, loads stay as they are: piles lose their motion by friction, and smaller loads would let
-// heavy bodies sink onto light ones that are wedged between them.
+// With friction, loads stay as they are: settled piles would keep deeper overlaps (README.md).
 //
 // An island is a set of dynamic bodies that are connected by contacts that have pressed in the step, or by
 // joints. The sets only grow within a step, so a substep starts with those of the last one. Springs are

@@ -24,9 +24,9 @@ struct GuardRounds : GuardSums<Real> {
       Sums::free_velocity, Sums::gain, Sums::gather_energies, Sums::gather_rigid, Sums::give_to_ground,
       Sums::grounded, Sums::group, Sums::has_left_plane, Sums::has_moments, Sums::has_pressed,
       Sums::is_active, Sums::is_exempt, Sums::is_first_substep, Sums::is_grounded, Sums::is_guarded,
-      Sums::is_moving, Sums::is_rigid, Sums::joints, Sums::load_factor, Sums::parent, Sums::planes,
-      Sums::removals, Sums::rigid_scale, Sums::rigid_sums, Sums::scale, Sums::start_spin, Sums::sums,
-      Sums::surfaces, Sums::take_from_planes, Sums::touches_plane;
+      Sums::is_moving, Sums::is_rigid, Sums::joints, Sums::load_factor, Sums::parent, Sums::removals,
+      Sums::rigid_scale, Sums::rigid_sums, Sums::scale, Sums::start_spin, Sums::sums, Sums::surfaces,
+      Sums::take_from_planes, Sums::touches_plane;
   using typename Sums::Change;
   double* gains;           ///< by body, J: energy added by contacts, less its rounding
   std::uint32_t* largest;  ///< bits of the largest magnitude in `gains` (float)
@@ -107,7 +107,7 @@ struct GuardRounds : GuardSums<Real> {
   static constexpr double resolution = 4096;
   /// Largest share of opposing impulses: twice what stops a single pair.
   static constexpr double largest_descent = 2;
-  /// Loads are reduced to this share at most: impulses of the next iteration must replace what is missing.
+  /// At least this share of a load remains: the next iteration must replace what is missing.
   /// With 1, a tall pile that is stopped rises by ten times as much. 0.95 has a quarter of the effect.
   static constexpr double least_load_factor = 0.8;
   /// Islands slower than this keep their loads: sum of m v . v over that of P . P / m, which is the sum of

@@ -17,8 +17,7 @@ struct GuardSums : GuardedBodies<Real> {
   using Bodies = GuardedBodies<Real>;
   using Bodies::angular_state, Bodies::bodies, Bodies::body_count, Bodies::change_of,
       Bodies::free_angular_velocity, Bodies::free_velocity, Bodies::gain, Bodies::moved, Bodies::opposing_of,
-      Bodies::planes, Bodies::start, Bodies::start_spin, Bodies::wide, Bodies::work_angular_velocity,
-      Bodies::work_velocity;
+      Bodies::start, Bodies::start_spin, Bodies::wide, Bodies::work_angular_velocity, Bodies::work_velocity;
   using typename Bodies::Change;
   std::uint32_t *parent, *scale;
   EnergyTerms* terms_of;            ///< by body

@@ -74,12 +74,10 @@ struct EnergyTerms {
     return {.share = min_of(share, most)};
   }
   /// Factor of P that leaves the least kinetic energy in the next substep, if other forces do not change.
-  /// `removed`: share of P that has been removed from the velocities.
+  /// `removed`: share of P that has been removed from the velocities. Precondition: D > 0.
   ///
   /// Without impulses of contacts, a body would next have the velocity v + (v - w) - P / m.
-  SIM_HD double next_loads(double removed) const {
-    return by_self() > 0 ? 1 + removed - by_next() / by_self() : 1;
-  }
+  SIM_HD double next_loads(double removed) const { return 1 + removed - by_next() / by_self(); }
   /// Factor of all changes of velocity, with which the gain is 0, or smallest.
   SIM_HD EnergyCorrection scaled() const {
     if (!(square() > 0)) return {};
