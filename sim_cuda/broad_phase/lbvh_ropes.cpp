@@ -176,7 +176,8 @@ class LbvhRopes final : public RopeTreeMethod<Key> {
   using Base::executor_, Base::n_, Base::nodes_, Base::order_;
 
  public:
-  explicit LbvhRopes(Executor& executor) : Base(executor), arrivals_(executor, "arrival records") {}
+  explicit LbvhRopes(Executor& executor)
+      : Base(executor, LeafOrder::left_to_right), arrivals_(executor, "arrival records") {}
 
   void reserve(std::int64_t bodies) override {
     Base::reserve(bodies);

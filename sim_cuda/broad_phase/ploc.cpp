@@ -162,7 +162,7 @@ class Ploc final : public RopeTreeMethod<Key> {
 
  public:
   explicit Ploc(Executor& executor)
-      : Base(executor),
+      : Base(executor, LeafOrder::any),
         link_(executor, "node links"),
         clusters_(executor, "clusters"),
         next_(executor, "clusters"),

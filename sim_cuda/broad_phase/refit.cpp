@@ -128,7 +128,7 @@ class RefitBvh final : public RopeTreeMethod<Key> {
 
  public:
   explicit RefitBvh(Executor& executor)
-      : Base(executor),
+      : Base(executor, LeafOrder::left_to_right),
         link_(executor, "node links"),
         arrival_(executor, "arrival counters"),
         sums_(executor, "area sums"),

@@ -6,7 +6,7 @@ namespace collidoscope {
 
 namespace {
 
-/// One thread per query.
+/// One walk per query.
 template <class Sink>
 struct WalkRopes {
   const RopedNode* nodes;
@@ -23,6 +23,78 @@ struct WalkRopes {
       at = hit && !is_leaf ? node.child : node.rope;
     }
     batch.finish();
+  }
+};
+
+/// CPU version, for trees whose leaves are numbered from left to right. One walk serves `lanes` adjacent
+/// leaves: it descends into nodes that overlap the box of all of them, and tests each leaf that it meets
+/// against each of them. In a falling pile of 20,000 bodies this takes 0.4 times as long as one walk per
+/// leaf.
+struct WalkInGroups {
+  static constexpr std::uint32_t lanes = 16;
+  const RopedNode* nodes;
+  std::uint32_t n;
+  PairSink sink;
+
+  static std::int64_t groups(std::uint32_t n) { return (std::int64_t{n} + lanes - 1) / lanes; }
+  std::int64_t items_per_chunk() const { return usual_chunk / lanes; }
+
+  /// Pairs of a group, buffered for the sink.
+  struct Found {
+    static constexpr std::uint32_t room = 4 * lanes;
+    Pair pairs[room];
+    std::uint32_t count = 0;
+    SIM_HD void flush(const PairSink& sink) {
+      const std::uint64_t place = atomic_add(sink.total, std::uint64_t{count});
+      for (std::uint32_t k = 0; k < count; ++k) sink.put(place + k, pairs[k].a, pairs[k].b);
+      count = 0;
+    }
+  };
+
+  /// The leaves of a group.
+  struct Group {
+    float min[3][lanes], max[3][lanes];
+    std::uint32_t body[lanes];
+    RopedNode all;  ///< with the box of all of them
+
+    /// Tests the first `leaves` leaves. All lanes are compared, so that SIMD instructions are used.
+    SIM_HD void test(const RopedNode& node, std::uint32_t leaves, Found& found, const PairSink& sink) const {
+      std::uint32_t hits[lanes];
+      for (std::uint32_t k = 0; k < lanes; ++k)
+        hits[k] = static_cast<std::uint32_t>((min[0][k] <= node.max[0]) & (node.min[0] <= max[0][k]) &
+                                             (min[1][k] <= node.max[1]) & (node.min[1] <= max[1][k]) &
+                                             (min[2][k] <= node.max[2]) & (node.min[2] <= max[2][k]));
+      if (found.count + lanes > Found::room) found.flush(sink);
+      for (std::uint32_t k = 0; k < leaves; ++k) {
+        found.pairs[found.count] = {body[k], node.child};
+        found.count += hits[k];
+      }
+    }
+  };
+
+  SIM_HD void operator()(int item) const {
+    const std::uint32_t first = static_cast<std::uint32_t>(item) * lanes, leaves = min_of(lanes, n - first);
+    Group group;
+    group.all = nodes[first];
+    for (std::uint32_t k = 0; k < lanes; ++k) {
+      const RopedNode& leaf = nodes[first + min_of(k, leaves - 1)];
+      group.body[k] = leaf.child;
+      for (int axis = 0; axis < 3; ++axis) {
+        group.min[axis][k] = leaf.min[axis];
+        group.max[axis][k] = leaf.max[axis];
+        group.all.min[axis] = min_of(group.all.min[axis], leaf.min[axis]);
+        group.all.max[axis] = max_of(group.all.max[axis], leaf.max[axis]);
+      }
+    }
+    Found found;
+    for (std::uint32_t k = 1; k < leaves; ++k) group.test(nodes[first + k], k, found, sink);
+    for (std::uint32_t at = nodes[first + leaves - 1].rope; at != no_rope;) {
+      const RopedNode& node = nodes[at];
+      const bool hit = overlap(group.all, node), is_leaf = at < n;
+      if (hit && is_leaf) group.test(node, leaves, found, sink);
+      at = hit && !is_leaf ? node.child : node.rope;
+    }
+    found.flush(sink);
   }
 };
 
@@ -144,12 +216,15 @@ __global__ void __launch_bounds__(1024)
 
 }  // namespace
 
-void find_pairs_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n, const PairSink& sink) {
+void find_pairs_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n, LeafOrder order,
+                         const PairSink& sink) {
 #if defined(__CUDACC__)
   if (executor.on_device() && n <= max_shared)
     return executor.run_kernel("pairs", {lanes_per_query * n, true, warp_space}, walk_ropes_by_warp, nodes, n,
                                sink);
 #endif
+  if (!executor.on_device() && order == LeafOrder::left_to_right)
+    return executor.run("pairs", WalkInGroups::groups(n), WalkInGroups{nodes, n, sink});
   executor.run("pairs", n, WalkRopes<PairSink>{nodes, n, sink});
 }
 

@@ -41,8 +41,12 @@ struct alignas(16) RopedNode {
 static_assert(sizeof(RopedNode) == 32);
 inline constexpr std::uint32_t no_rope = RopedNode::none;
 
+/// Numbers of the leaves.
+enum class LeafOrder { any, left_to_right };
+
 /// Implements BroadPhase::find_pairs for a tree over n bodies, in the stage "pairs".
-void find_pairs_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n, const PairSink& sink);
+void find_pairs_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n, LeafOrder order,
+                         const PairSink& sink);
 /// Implements BroadPhase::count_visits. Shared warp traversal visits the same nodes as one thread per query.
 void count_visits_by_ropes(Executor& executor, const RopedNode* nodes, std::uint32_t n,
                            const VisitSink& sink);
@@ -51,15 +55,17 @@ void count_visits_by_ropes(Executor& executor, const RopedNode* nodes, std::uint
 template <class Key>
 class RopeTreeMethod : public BroadPhase {
  public:
-  explicit RopeTreeMethod(Executor& executor)
-      : executor_(executor), order_(executor), nodes_(executor, "tree nodes") {}
+  RopeTreeMethod(Executor& executor, LeafOrder leaf_order)
+      : executor_(executor), leaf_order_(leaf_order), order_(executor), nodes_(executor, "tree nodes") {}
 
   void reserve(std::int64_t bodies) override {
     n_ = static_cast<std::uint32_t>(bodies);
     order_.reserve(bodies);
     nodes_.resize_discarding(n_ > 0 ? 2 * static_cast<std::size_t>(n_) - 1 : 0);
   }
-  void find_pairs(const PairSink& sink) override { find_pairs_by_ropes(executor_, nodes_.data(), n_, sink); }
+  void find_pairs(const PairSink& sink) override {
+    find_pairs_by_ropes(executor_, nodes_.data(), n_, leaf_order_, sink);
+  }
   void count_visits(const VisitSink& sink) const override {
     count_visits_by_ropes(executor_, nodes_.data(), n_, sink);
   }
@@ -67,6 +73,7 @@ class RopeTreeMethod : public BroadPhase {
 
  protected:
   Executor& executor_;
+  const LeafOrder leaf_order_;
   std::uint32_t n_ = 0;
   MortonOrder<Key> order_;
   Buffer<RopedNode> nodes_;
