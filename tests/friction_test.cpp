@@ -339,7 +339,15 @@ TEST_P(Rubbing, WhatIsNotCalledForCostsNothing) {
   EXPECT_EQ(b.effects(), (Effects{.gravity = true, .rotation = true, .friction = true}));
   const auto without = launches_by_stage(a);
   EXPECT_EQ(launches_by_stage(c), without);
-  EXPECT_EQ(launches_by_stage(b), without) << "friction is part of the stages forces, bounce and relax";
+  // Friction is part of the stages forces, bounce and relax. Without it, there is a second pass over contacts
+  // and planes in solve and relax.
+  auto expected = without;
+  if (b.info().on_gpu) {
+    const int pass = 4 * 2;
+    expected["solve"] -= pass;
+    expected["relax"] -= pass;
+  }
+  EXPECT_EQ(launches_by_stage(b), expected);
   EXPECT_EQ(a.info().allocated_bytes, c.info().allocated_bytes);
   EXPECT_GT(b.info().allocated_bytes, a.info().allocated_bytes);
   EXPECT_EQ(a.state_hash(), c.state_hash());

@@ -348,8 +348,8 @@ TEST_P(SoftStep, AnEffectThatIsOffCostsNoLaunchAndNoByte) {
     for (const StageTime& stage : world.times().stages) sum += stage.launches;
     return sum;
   };
-  // Planes add a stage before each move and each relax, and one for the bounce.
-  EXPECT_EQ(launches(b) - launches(a), 4 * 2 + 1);
+  // Planes add a stage to each of the two passes before a move and after it, and one for the bounce.
+  EXPECT_EQ(launches(b) - launches(a), 4 * 2 * 2 + 1);
 }
 
 template <bool with_drag>

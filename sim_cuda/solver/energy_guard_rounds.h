@@ -109,7 +109,7 @@ struct GuardRounds : GuardSums<Real> {
   static constexpr double largest_descent = 2;
   /// At least this share of a load remains: the next iteration must replace what is missing.
   /// With 1, a tall pile that is stopped rises by ten times as much. 0.95 has a quarter of the effect.
-  static constexpr double least_load_factor = 0.8;
+  static constexpr double least_load_factor = 0.65;
   /// Islands slower than this keep their loads: sum of m v . v over that of P . P / m, which is the sum of
   /// m (g h)^2 at rest. With 0.3, tall columns do not come to rest; with 1 they do.
   static constexpr double least_motion = 2;

@@ -116,25 +116,37 @@ struct IntegrateFree {
     }
     return false;
   }
-  /// Shortens the drift velocity of a body that bounced and reaches the same surface again, because it is so
-  /// fast that it crosses its container in a substep. See SoftWalls::ends_at_plane().
+  /// Limits the drift velocity of a body that bounced and reaches the same surface again, because it is so
+  /// fast that it crosses its container in a substep. See SoftWalls::ends_at_plane(). At a plane it moves on
+  /// along the plane: a body between the plane and a heavy body that comes down would else stay in its way.
+  /// In a scene with boxes it stops, because the new way may lead through a box.
   SIM_HD void end_at_surfaces(int body, Vector3<Real>& drift) const {
     const std::uint32_t bounced = bounced_mask[body];
     const Vector3<Real> x = bodies.position[body];
     const Real radius = bodies.radius[body];
     if (!(h * h * drift.dot(drift) > radius * radius)) return;
     for (int p = 0; p < min_of(plane_count, +plane_mask_bits); ++p)
-      if ((bounced >> p & 1) != 0) end_at(planes[p].normal, planes[p].offset, x, radius, drift);
+      if ((bounced >> p & 1) != 0) {
+        const Vector3<Real> normal = planes[p].normal;
+        const Real excess = depth_at_end(normal, planes[p].offset, x, radius, drift);
+        if (!(excess > 0)) continue;
+        if (boxes.count == 0)
+          drift += (excess / h) * normal;
+        else
+          drift *= 1 + excess / (h * normal.dot(drift));
+      }
     for (int b = 0; b < min_of(boxes.count, plane_mask_bits - plane_count); ++b) {
       if ((bounced >> (plane_count + b) & 1) == 0) continue;
       const ContactPlane<Real> met = boxes.boxes[b].first_plane_on_path(x, h * drift, radius);
-      if (!met.is_none()) end_at(met.normal, met.offset, x, radius, drift);
+      if (met.is_none()) continue;
+      const Real excess = depth_at_end(met.normal, met.offset, x, radius, drift);
+      if (excess > 0) drift *= 1 + excess / (h * met.normal.dot(drift));
     }
   }
-  SIM_HD void end_at(const Vector3<Real>& normal, Real offset, const Vector3<Real>& x, Real radius,
-                     Vector3<Real>& drift) const {
-    const Real gap = max_of(normal.dot(x) - offset - radius, Real(0)), speed = normal.dot(drift);
-    if (gap + h * speed < 0) drift *= gap / (-h * speed);
+  /// How deep in the plane the body would be after the substep, m. A body in the plane counts as touching.
+  SIM_HD Real depth_at_end(const Vector3<Real>& normal, Real offset, const Vector3<Real>& x, Real radius,
+                           const Vector3<Real>& drift) const {
+    return -(max_of(normal.dot(x) - offset - radius, Real(0)) + h * normal.dot(drift));
   }
 };
 

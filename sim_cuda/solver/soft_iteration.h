@@ -47,14 +47,19 @@ struct Solve {
   Softness<Real> softness;
   bool first;  ///< first pass of the substep
   SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
-    if (contact.gap > 0 && contact.passes(motions.velocity(), motions.reach(), 1 / softness.inverse_h)) {
-      const Real change = -contact.impulse;
-      contact.impulse = 0;
-      return change;
+    const Vector3<Real> velocity = motions.velocity();
+    const Real speed = velocity.dot(contact.normal);
+    if (contact.gap > 0) {
+      // Most contacts without an impulse: the bodies do not touch in the substep.
+      if (contact.impulse == 0 && speed + contact.gap * softness.inverse_h >= 0) return 0;
+      if (contact.passes(velocity, motions.reach(), 1 / softness.inverse_h)) {
+        const Real change = -contact.impulse;
+        contact.impulse = 0;
+        return change;
+      }
     }
-    return contact.template solve<true>(motions.velocity().dot(contact.normal), motions.mass,
-                                        motions.parts > 1 ? softness.of_parts(motions.parts) : softness,
-                                        first);
+    return contact.template solve<true>(
+        speed, motions.mass, motions.parts > 1 ? softness.of_parts(motions.parts) : softness, first);
   }
 };
 
@@ -148,10 +153,9 @@ struct OrderedContacts {
     }
     return k;
   }
-  /// `acted`: an impulse has changed.
-  template <bool with_sums>
-  SIM_HD void store(const LoadedContact& k, bool acted) const {
-    if constexpr (with_sums) sums[k.place] = {k.contact.total, k.contact.impact};
+  /// `acted`: an impulse has changed. `with_sums`: ContactSums may have changed.
+  SIM_HD void store(const LoadedContact& k, bool acted, bool with_sums) const {
+    if (with_sums) sums[k.place] = {k.contact.total, k.contact.impact};
     if (!acted) return;
     if constexpr (with_friction) {
       PackedContact<Real>::store_impulses(&soft[k.place], k.contact.impulse, k.friction.impulse);
@@ -203,7 +207,12 @@ struct Iteration {
     }
     store(k.ids.a, a);
     store(k.ids.b, b);
-    contacts.template store<Act::sums>(k, acted);
+    contacts.store(k, acted, changes_sums(k, acted));
+  }
+
+  SIM_HD bool changes_sums(const Operands& k, bool acted) const {
+    if constexpr (requires { act.last; }) return act.last || acted || k.contact.impulse > 0;
+    return Act::sums;
   }
 
   struct Motion {
@@ -283,7 +292,7 @@ struct Iteration {
       if (!acted) return true;
       act.mark(k.ids, k.bodies, a.v, b.v);  // for later sweeps
     }
-    contacts.template store<Act::sums>(k, acted);
+    contacts.store(k, acted, changes_sums(k, acted));
     return true;
   }
   __device__ bool load_if_ready(std::uint32_t body, std::uint32_t expected, Motion& motion) const {
@@ -335,7 +344,7 @@ struct Iteration {
           friction_change = of_equal_moments();
       }
     }
-    contacts.template store<Act::sums>(k, true);
+    contacts.store(k, true, Act::sums);
   }
 
   // ---- last round: sum of a body's contacts in the set, in increasing id of the other body ----

@@ -312,7 +312,9 @@ struct SoftWalls {
       const Real speed = sqrt(body.v.dot(body.v));
       const std::int64_t here = index(p, id);
       const Real load = is_active(body, p) ? impulse[here] : Real(0);
-      if (!(approach > law.threshold(rest, speed, load, body.inverse_mass))) continue;
+      if (!(approach >
+            law.threshold(rest, speed, driven && !with_friction ? Real(0) : load * body.inverse_mass)))
+        continue;
       if (ends_at_plane(id, body, p)) continue;
       const Real arrival = sqrt(max_of(approach * approach + 2 * acceleration * gap, Real(0)));
       const Real e = law.restitution.between(law.restitution.of_body(static_cast<std::uint32_t>(id)),
