@@ -121,6 +121,23 @@ TEST_P(ValidatedRuns, FreezeTheBodyAndLeaveTheOthersAlone) {
   });
 }
 
+/// The ball has impulses of the ground, and friction, when it is frozen.
+TEST_P(ValidatedRuns, FreezeABallThatRollsOnTheGround) {
+  for (const Solver solver : {Solver::soft_step, Solver::jacobi_split}) {
+    Scene scene = freezing(faller(solver));
+    scene.physics.gravity = Vector3d(6, 0, -9.81);
+    scene.materials[0].friction = 0.5;
+    scene.bodies = {sphere(0.5, Vector3d(0, 0, 0.5))};
+    World world(scene, options());
+    world.step(120);  // it has 5 m/s after 1.2 s
+    EXPECT_EQ(world.steps(), 120);
+    EXPECT_FALSE(world.validation().paused());
+    ASSERT_THAT(world.validation().frozen(), ElementsAre(0u));
+    EXPECT_EQ(world.bodies().velocity[0], Vector3d(0, 0, 0));
+    EXPECT_NEAR(world.bodies().position[0].x(), 25.0 * 7 / (2 * 5 * 6.0), 0.2);  // v^2 / (2 a)
+  }
+}
+
 TEST_P(ValidatedRuns, FindTheSameInWhateverWayTheyRun) {
   Scene scene = box_collider(300);
   scene.physics.solver = Solver::soft_step;

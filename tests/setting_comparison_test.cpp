@@ -71,8 +71,8 @@ TEST_P(SettingComparisons, ReportAnotherState) {
   EXPECT_EQ(result.rows[0].estimate.pairs, 6);
 }
 
-/// A planet on its orbit: the integrator is of second order, so half a step has a quarter of the error. More
-/// substeps take more time.
+/// A planet on its orbit: the integrator is of second order, so half a step has a quarter of the error. Times
+/// are not compared: on a loaded machine, two substeps of two bodies may take less than one.
 TEST_P(SettingComparisons, ShowWhatAccuracyCosts) {
   World world(project_scene("analytic/orbit"), options());
   const SettingComparison result =
@@ -83,7 +83,8 @@ TEST_P(SettingComparisons, ShowWhatAccuracyCosts) {
   for (const char* substeps : {"2", "4", "8", "16"}) {
     const ComparedSetting& row = row_of(result, "substeps", substeps);
     EXPECT_NEAR(error / row.error, 4, 0.1) << substeps;
-    EXPECT_GT(row.estimate.low, 1) << substeps;
+    EXPECT_GE(row.estimate.pairs, 6) << substeps;
+    EXPECT_GT(row.ms, 0) << substeps;
     error = row.error;
   }
   EXPECT_LT(result.error_resolution, 1e-3 * error);

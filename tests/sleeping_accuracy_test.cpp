@@ -71,11 +71,13 @@ TEST_P(SleepersAccuracy, APileIsWhereItWouldBeWithoutSleep) {
   World slept(scene, options());
   scene.physics.sleep.reset();
   World never(scene, options());
-  for (int step = 100; step <= 600; step += 100) {
+  for (int step = 100; step <= 1000; step += 100) {
     slept.step(100);
     never.step(100);
-    ASSERT_EQ(count_asleep(slept), 500);
     EXPECT_LE(distance_between(slept, never), 1e-5) << step;
+    if (step >= 600) {  // a last sphere rolls to its place
+      ASSERT_EQ(count_asleep(slept), 500);
+    }
   }
 }
 

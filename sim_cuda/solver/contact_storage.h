@@ -89,4 +89,21 @@ struct alignas(2 * sizeof(Real)) BodyFriction {
   }
 };
 
+/// Position of a contact in the solve order of its bodies. `a`, `b`: number of contacts solved before it at
+/// that body. `next_a`, `next_b`: counter value after it; 0 after the last.
+struct DependencyCounters {
+  std::uint8_t a, b, next_a, next_b;
+
+  /// `used`: bit mask of the colours at a body.
+  SIM_HD static std::uint8_t before(std::uint32_t used, int colour) {
+    return static_cast<std::uint8_t>(count_bits(used & ((std::uint32_t{1} << colour) - 1)));
+  }
+  SIM_HD static std::uint8_t after(std::uint32_t used, int colour) {
+    return used >> colour == 1 ? std::uint8_t{0} : static_cast<std::uint8_t>(before(used, colour) + 1);
+  }
+  SIM_HD static DependencyCounters of(std::uint32_t used_a, std::uint32_t used_b, int colour) {
+    return {before(used_a, colour), before(used_b, colour), after(used_a, colour), after(used_b, colour)};
+  }
+};
+
 }  // namespace collidoscope

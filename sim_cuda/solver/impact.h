@@ -18,7 +18,7 @@
 // contacts stay where they are if they can.
 //
 // If e = 0, a pair keeps the approach speed s/h, at which it touches at the end of the substep. At planes,
-// the contact solver does the same, except for bodies that heavy ones have hit (shock.h).
+// the contact solver does the same for bodies without contacts.
 //
 // The threshold grows with the load: 2 a h, where a is the acceleration of the body by gravity and
 // attractors, plus a quarter of the speed that the contact's impulse of the last substep gives. A resting
@@ -26,9 +26,12 @@
 // two passes build up larger loads, there are exceptions. Between a heavy body and a light one, the load is
 // the speed that the impulse gives the heavy one. Bodies that a heavy one has hit have none: the impulses
 // that stop the heavy body would hide the impacts that remain. If a = 0, the threshold is a fraction of the
-// speeds, for rounding. From the third sweep on, 2 a h doubles in each sweep: in a falling pile, ever slower
-// impacts would follow each other up to the last sweep. It does not double for heavy bodies on light ones
-// that have support, nor at the planes of light bodies that heavy ones have hit.
+// speeds, for rounding. From the third sweep on, 2 a h doubles in each sweep: in a falling pile, ever
+// slower impacts would follow each other up to the last sweep. It does not double for heavy bodies on
+// light ones that have support, nor at the planes of light bodies that heavy ones have hit. Nor if e = 0,
+// except between a heavy body and a light one: what remains of an inelastic impact becomes load, and
+// throws bodies up in the next substep. A heavy body needs that load: without it, a column under the body
+// is pressed together.
 //
 // Smith et al., "Reflections on simultaneous impact" (2012), compare this with simultaneous reflections,
 // which keep symmetries and need an inner solve.
@@ -118,7 +121,7 @@ struct StruckMarks {
 /// The act of an impact sweep.
 template <class Real, bool with_friction, bool unequal_moments>
 struct Impact {
-  static constexpr bool has_friction = with_friction, sums = true, mostly_idle = true,
+  static constexpr bool has_friction = with_friction, mostly_idle = true,
                         has_unequal_moments = unequal_moments;
   ImpactLaw<Real> law;
   std::uint32_t* again;  ///< set to 1 if a contact gets an impulse: another sweep is needed
@@ -186,13 +189,15 @@ struct Impact {
     const Real speed = sqrt(motions.v_a.dot(motions.v_a)) + sqrt(motions.v_b.dot(motions.v_b));
     const Real load_speed = speed_of_load(contact.impulse, motions.ids, w_a, w_b);
     if (!(approach > law.threshold(rest, speed, load_speed))) return 0;
-    if (sweep() >= law.first_growing_sweep && !shocks.is_shock_pair(motions.ids, w_a, w_b, sweep())) {
+    const Real e = law.restitution.of_pair(motions.ids, approach);
+    if (sweep() >= law.first_growing_sweep && (e > 0 || ShockMarks::has_heavy(w_a, w_b)) &&
+        !shocks.is_shock_pair(motions.ids, w_a, w_b, sweep())) {
       rest *= law.growth(sweep());
       if (!(approach > law.threshold(rest, speed, load_speed))) return 0;
     }
     const Vector3<Real> pull = a_b - a_a;
     if (contact.gap > 0 && misses(contact, motions.reach(), velocity, pull)) return 0;
-    const Real e = law.restitution.of_pair(motions.ids, approach), gap = max_of(contact.gap, Real(0));
+    const Real gap = max_of(contact.gap, Real(0));
     Real separation = -gap / law.h;
     if (e > 0) {
       separation = law.separation(approach, gap, -pull.dot(contact.normal), e);
@@ -218,6 +223,8 @@ struct Impact {
   SIM_HD static bool has_tangent(const SoftContact<Real>&, const FrictionImpulse<Real>&, Real change) {
     return change != 0;
   }
+  SIM_HD static bool finish(SoftContact<Real>&, FrictionImpulse<Real>&) { return false; }
+  SIM_HD static bool changes_sums(const SoftContact<Real>&, bool) { return true; }
 
   /// Call if the contact has changed the velocities of its bodies. Static bodies may have other contacts in
   /// the same round, and do not change.
@@ -239,8 +246,7 @@ struct Impact {
   SIM_HD Real speed_of_load(Real impulse, const Pair& ids, Real w_a, Real w_b) const {
     if constexpr (with_friction) return impulse * (w_a + w_b);
     if (!(impulse > 0) || shocks.is_driven(ids.a, sweep()) || shocks.is_driven(ids.b, sweep())) return 0;
-    const bool has_heavy = ShockMarks::is_heavy(w_a, w_b) || ShockMarks::is_heavy(w_b, w_a);
-    return impulse * (has_heavy ? min_of(w_a, w_b) : w_a + w_b);
+    return impulse * (ShockMarks::has_heavy(w_a, w_b) ? min_of(w_a, w_b) : w_a + w_b);
   }
   /// True if the bodies do not touch in the substep, neither in free flight nor in a step of Euler's method.
   SIM_HD bool misses(const SoftContact<Real>& contact, Real reach, const Vector3<Real>& velocity,
@@ -293,8 +299,9 @@ struct ImpactSweeps {
     const ImpactLaw<Real>& law = contacts.act.law;
     const Real approach = -velocity.dot(contacts.contacts.soft[place].normal);
     if (approach > law.slow * law.growth(sweep)) return true;
-    return approach > law.slow && contacts.act.shocks.is_shock_pair(ids, bodies.inverse_mass[ids.a],
-                                                                    bodies.inverse_mass[ids.b], sweep);
+    return approach > law.slow && (!(law.restitution.of_pair(ids, approach) > 0) ||
+                                   contacts.act.shocks.is_shock_pair(ids, bodies.inverse_mass[ids.a],
+                                                                     bodies.inverse_mass[ids.b], sweep));
   }
   SIM_HD Contacts contacts_in(int sweep) const {
     Contacts now = contacts;
@@ -338,7 +345,7 @@ struct ImpactSweeps {
     const ShockMarks& shocks = contacts.act.shocks;
     if (sweep == 0) shocks.clear(static_cast<std::uint32_t>(id));
     const bool driven = sweep > 0 && shocks.is_driven(static_cast<std::uint32_t>(id), sweep);
-    const Real rest = (driven ? Real(1) : law.growth(sweep)) * law.rest_speed(pull), limit = rest / 2;
+    const Real rest = law.rest_speed(pull), limit = rest / 2, growth = driven ? Real(1) : law.growth(sweep);
     if (sweep == 0) {
       const bool fast = v.dot(v) > Real(0.99) * limit * limit;  // less than the limit, for rounding
       struck.body[id] = fast ? 1 : 0;
@@ -351,8 +358,8 @@ struct ImpactSweeps {
     if (!walls.may_bounce(body, law, pull, rest)) return;
     walls.load_rest(id, body);
     const bool may_shift = control->contacts == 0 || struck.contacts_of.count[id] == 0;
-    if (!walls.template resolve_impacts<unequal_moments>(id, body, law, pull, rest, may_shift, driven,
-                                                         sweep == 0))
+    if (!walls.template resolve_impacts<unequal_moments>(id, body, law, pull, rest, growth, may_shift,
+                                                         driven))
       return;
     walls.store(id, body);
     struck.set(static_cast<std::uint32_t>(id), static_cast<std::uint8_t>(sweep + 2));

@@ -8,6 +8,7 @@
 #include "sim_cuda/core/hashed_arrays.h"
 #include "sim_cuda/core/host_backup.h"
 #include "sim_cuda/solver/contact_solver.h"
+#include "sim_cuda/solver/soft_contact.h"
 #include "sim_cuda/solver/soft_walls.h"
 #include "sim_cuda/solver/warm_start.h"
 
@@ -27,6 +28,7 @@ class PlaneContacts {
             scene_.plane_count,
             scene_.gravity,
             inverse_h,
+            closing_gap(scene_.acceleration_margin, scene_.substeps) * inverse_h,
             impulse_.data(),
             bounced_mask_.data(),
             active_mask_.data(),

@@ -35,6 +35,10 @@ struct ShockMarks {
   SIM_HD static bool is_heavy(Real inverse_mass, Real inverse_mass_of_other) {
     return inverse_mass > 0 && heavy * inverse_mass < inverse_mass_of_other;
   }
+  template <class Real>
+  SIM_HD static bool has_heavy(Real w_a, Real w_b) {
+    return is_heavy(w_a, w_b) || is_heavy(w_b, w_a);
+  }
   SIM_HD bool is_driven(std::uint32_t id, int sweep) const { return is_set(driven, id, sweep); }
   SIM_HD bool is_supported(std::uint32_t id, int sweep) const { return is_set(supported, id, sweep); }
   /// True if one body is heavy for the other, and the light one is supported. `w_a`, `w_b`: inverse masses,

@@ -37,15 +37,17 @@ struct Motions {
   SIM_HD Real reach() const { return bodies.radius_a + bodies.radius_b; }
 };
 
-// ---- acts: functions return the change of the impulse, N s. `sums`: the act updates ContactSums ----
+// ---- acts: solve_normal() returns the change of the impulse, N s; finish() whether it has changed impulses
+// after that. changes_sums(): the act has changed ContactSums ----
 
 /// Soft solve of the normal constraint. Contacts that the bodies miss, or do not reach in the substep, get no
 /// impulse.
 template <class Real>
 struct Solve {
-  static constexpr bool has_friction = false, sums = false;
+  static constexpr bool has_friction = false;
   Softness<Real> softness;
-  bool first;  ///< first pass of the substep
+  Real closing_gap;  ///< m
+  bool first, last;  ///< first and last pass before the move
   SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
     const Vector3<Real> velocity = motions.velocity();
     const Real speed = velocity.dot(contact.normal);
@@ -61,21 +63,25 @@ struct Solve {
     return contact.template solve<true>(
         speed, motions.mass, motions.parts > 1 ? softness.of_parts(motions.parts) : softness, first);
   }
+  SIM_HD bool finish(SoftContact<Real>& contact, FrictionImpulse<Real>&) const {
+    if (last) contact.mark_closing(closing_gap);
+    return false;
+  }
+  SIM_HD bool changes_sums(const SoftContact<Real>& contact, bool) const {
+    return last && contact.impact.is_closing();
+  }
 };
 
 /// Rigid solve after the move, with friction. Contacts without an impulse stay inactive. `unequal_moments`:
 /// of inertia. Kernels for them need more registers, so other scenes have their own.
 template <class Real, bool with_friction, bool unequal_moments>
 struct Relax {
-  static constexpr bool has_friction = with_friction, sums = true, has_unequal_moments = unequal_moments;
+  static constexpr bool has_friction = with_friction, has_unequal_moments = unequal_moments;
   Softness<Real> softness;
-  bool last;  ///< last iteration of this substep
+  bool last;  ///< last pass of this substep
   SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
     contact.mark_pressing();
-    const Real change =
-        contact.template solve<false>(motions.velocity().dot(contact.normal), motions.mass, softness);
-    if (last) contact.end_substep();
-    return change;
+    return contact.template solve<false>(motions.velocity().dot(contact.normal), motions.mass, softness);
   }
   /// `mass`: effective mass, kg, or a TangentResponse.
   template <class Mass>
@@ -85,30 +91,21 @@ struct Relax {
     return solve_friction<Real>(slip, mass, friction.coefficient * contact.impulse, friction.impulse);
   }
   /// Whether to solve friction, after the normal impulse changed by the last argument.
-  SIM_HD static bool has_tangent(const SoftContact<Real>& contact, const FrictionImpulse<Real>& friction,
-                                 Real) {
-    return contact.total > 0 || friction.impulse.dot(friction.impulse) != 0;
+  SIM_HD bool has_tangent(const SoftContact<Real>& contact, const FrictionImpulse<Real>& friction,
+                          Real) const {
+    return contact.total > 0 || (last && contact.impulse > 0) || friction.impulse.dot(friction.impulse) != 0;
+  }
+  SIM_HD bool finish(SoftContact<Real>& contact, FrictionImpulse<Real>& friction) const {
+    if (!last || !contact.end_substep()) return false;
+    friction.impulse = Vector3<Real>::Zero();
+    return true;
+  }
+  SIM_HD bool changes_sums(const SoftContact<Real>& contact, bool acted) const {
+    return last || acted || contact.impulse > 0;
   }
 };
 
 // ---- one iteration ----
-
-/// Position of a contact in the solve order of its bodies. `a`, `b`: number of contacts solved before it at
-/// that body. `next_a`, `next_b`: counter value after it; 0 after the last.
-struct DependencyCounters {
-  std::uint8_t a, b, next_a, next_b;
-
-  /// `used`: bit mask of the colours at a body.
-  SIM_HD static std::uint8_t before(std::uint32_t used, int colour) {
-    return static_cast<std::uint8_t>(count_bits(used & ((std::uint32_t{1} << colour) - 1)));
-  }
-  SIM_HD static std::uint8_t after(std::uint32_t used, int colour) {
-    return used >> colour == 1 ? std::uint8_t{0} : static_cast<std::uint8_t>(before(used, colour) + 1);
-  }
-  SIM_HD static DependencyCounters of(std::uint32_t used_a, std::uint32_t used_b, int colour) {
-    return {before(used_a, colour), before(used_b, colour), after(used_a, colour), after(used_b, colour)};
-  }
-};
 
 /// The contacts of a step in solve order: colour by colour, then the mass-split set. The place of a contact
 /// is its index in this order; its number is its index in the contact list.
@@ -207,12 +204,7 @@ struct Iteration {
     }
     store(k.ids.a, a);
     store(k.ids.b, b);
-    contacts.store(k, acted, changes_sums(k, acted));
-  }
-
-  SIM_HD bool changes_sums(const Operands& k, bool acted) const {
-    if constexpr (requires { act.last; }) return act.last || acted || k.contact.impulse > 0;
-    return Act::sums;
+    contacts.store(k, acted, act.changes_sums(k.contact, acted));
   }
 
   struct Motion {
@@ -232,6 +224,10 @@ struct Iteration {
 
   /// Solves a contact. Returns true if an impulse has changed.
   SIM_HD bool resolve(Operands& k, Motion& a, Motion& b) const {
+    const bool acted = resolve_impulses(k, a, b);
+    return act.finish(k.contact, k.friction) || acted;
+  }
+  SIM_HD bool resolve_impulses(Operands& k, Motion& a, Motion& b) const {
     if constexpr (requires { Act::mostly_idle; })
       if (act.shock(k.contact, k.ids, k.bodies, a.v, b.v)) return true;
     const Real w_a = k.bodies.inverse_mass_a, w_b = k.bodies.inverse_mass_b;
@@ -292,7 +288,7 @@ struct Iteration {
       if (!acted) return true;
       act.mark(k.ids, k.bodies, a.v, b.v);  // for later sweeps
     }
-    contacts.store(k, acted, changes_sums(k, acted));
+    contacts.store(k, acted, act.changes_sums(k.contact, acted));
     return true;
   }
   __device__ bool load_if_ready(std::uint32_t body, std::uint32_t expected, Motion& motion) const {
@@ -344,7 +340,8 @@ struct Iteration {
           friction_change = of_equal_moments();
       }
     }
-    contacts.store(k, true, Act::sums);
+    act.finish(k.contact, k.friction);
+    contacts.store(k, true, act.changes_sums(k.contact, true));
   }
 
   // ---- last round: sum of a body's contacts in the set, in increasing id of the other body ----

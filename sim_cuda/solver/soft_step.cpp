@@ -233,8 +233,10 @@ void SoftStepSolver<Real>::solve(int substep) {
   record_iteration<with_friction>(substep, true, 0);
   for (int iteration = 1; iteration <= scene_.iterations; ++iteration) {
     if (scene_.effects.joints) scene_.joints->solve();
-    for (int pass = 0; pass < passes_; ++pass) {
-      iterate("solve", Solve<Real>{softness_, iteration == 1 && pass == 0});
+    for (int pass = 1; pass <= passes_; ++pass) {
+      const bool last = iteration == scene_.iterations && pass == passes_;
+      iterate("solve", Solve<Real>{softness_, closing_gap(scene_.acceleration_margin, scene_.substeps),
+                                   iteration == 1 && pass == 1, last});
       iterate_walls<with_friction>("solve", false);
     }
     record_iteration<with_friction>(substep, true, iteration);

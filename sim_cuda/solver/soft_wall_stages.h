@@ -19,7 +19,8 @@ struct SolveWalls {
     typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load_motion(id);
     if (!walls.may_touch(body, relaxing)) return;
     walls.load_rest(id, body);
-    walls.solve(id, body, relaxing, walls.gravity);
+    if (!(body.inverse_mass > 0)) return;
+    walls.template solve<unequal_moments>(id, body, relaxing, walls.gravity);
     if (relaxing) walls.template apply_friction<unequal_moments>(id, body);
     walls.store(id, body);
   }

@@ -37,6 +37,7 @@ struct SoftWalls {
   int plane_count;
   Vector3<Real> gravity;        ///< m/s^2
   Real inverse_h;               ///< 1/s
+  Real closing_speed;           ///< m/s: closing_gap() in a substep
   Real* impulse;                ///< accumulated in the substep, N s; index plane * body count + body
   std::uint32_t* bounced_mask;  ///< by body: bit p is set if the body bounced off plane p in this substep
   std::uint32_t*
@@ -188,8 +189,9 @@ struct SoftWalls {
     }
   }
 
-  /// Applies the accumulated impulses of the last substep.
+  /// Applies the accumulated impulses of the last substep. A body that a guard has frozen keeps its impulses.
   SIM_HD void warm_start(int id, Body& body) const {
+    if (!(body.inverse_mass > 0)) return;
     if (body.active_mask == 0 && count() <= plane_mask_bits) return;
     for (int p = 0; p < count(); ++p) {
       if (!is_active(body, p)) continue;
@@ -295,12 +297,12 @@ struct SoftWalls {
     return any;
   }
   /// One sweep over the planes of a body. Returns true if the body got an impulse. `pull`: acceleration,
-  /// m/s^2. `rest`: speed of slow impacts, m/s (ImpactLaw). `may_shift`: an impact may move the body to the
-  /// surface (impact.h). `driven`: impacts without a rebound are resolved, too.
-  /// `is_first`: in sweep 0.
+  /// m/s^2. `rest`: speed of slow impacts, m/s (ImpactLaw); `growth`: its factor if the body rebounds.
+  /// `may_shift`: the body has no contacts, so an impact may move it to the surface (impact.h). `driven`: see
+  /// ShockMarks.
   template <bool unequal_moments>
   SIM_HD bool resolve_impacts(int id, Body& body, const ImpactLaw<Real>& law, const Vector3<Real>& pull,
-                              Real rest, bool may_shift, bool driven, bool is_first) const {
+                              Real rest, Real growth, bool may_shift, bool driven) const {
     bool any = false;
     for (int p = 0; p < count(); ++p) {
       const WallPlane<Real>& surface = impact_plane(p, body, law.reach_time() * (body.v + law.h * pull));
@@ -312,30 +314,30 @@ struct SoftWalls {
       const Real speed = sqrt(body.v.dot(body.v));
       const std::int64_t here = index(p, id);
       const Real load = is_active(body, p) ? impulse[here] : Real(0);
-      if (!(approach >
-            law.threshold(rest, speed, driven && !with_friction ? Real(0) : load * body.inverse_mass)))
-        continue;
+      const Real load_speed = driven && !with_friction ? Real(0) : load * body.inverse_mass;
+      if (!(approach > law.threshold(rest, speed, load_speed))) continue;
       if (ends_at_plane(id, body, p)) continue;
       const Real arrival = sqrt(max_of(approach * approach + 2 * acceleration * gap, Real(0)));
       const Real e = law.restitution.between(law.restitution.of_body(static_cast<std::uint32_t>(id)),
                                              surface.restitution, arrival);
+      if (e > 0 && !(approach > law.threshold(growth * rest, speed, load_speed))) continue;
       Real separation = may_shift && e < 1 ? Real(0) : law.separation(approach, gap, acceleration, e);
-      // In the last substep, contacts have pressed the body into the plane after its last iteration.
-      const bool unfinished = is_first && load > 0 && 16 * gap < law.h * approach;
       if (!(e > 0)) {
         separation = -gap / law.h;
-        if (!(driven || unfinished) || !(approach + separation > rest + law.rounding * speed)) continue;
+        // At this speed, a fast body would pass the edge of a box before it touches.
+        const bool is_fast = speed > body.radius * inverse_h;
+        if (may_shift || (is_fast && p >= plane_count)) continue;
+        if (!(approach + separation > rest + law.rounding * speed)) continue;
       } else if (!(separation > 0)) {
         separation = e * arrival;
         body.x -= gap * normal;
         body.moved = true;
       }
+      if (e > 0 && p < plane_mask_bits) bounced_mask[id] |= std::uint32_t{1} << p;
+      const bool leaves = e > 0 && is_active(body, p);
       const Real change = body.mass * (approach + separation);
       apply_normal_impulse(id, body, normal, change);
-      if (p < plane_mask_bits) bounced_mask[id] |= std::uint32_t{1} << p;
-      const bool leaves = e > 0 && is_active(body, p);
       if (leaves) impulse[here] = 0;
-      if (!(e > 0) && unfinished) impulse[here] += change;
       if constexpr (with_friction) {
         if (leaves) friction.impulse[here] = Vector3<Real>::Zero();
         Vector3<Real> sum = Vector3<Real>::Zero();
@@ -346,8 +348,23 @@ struct SoftWalls {
     return any;
   }
 
+  /// Stops a body at plane p that has closed a gap in the substep, with friction. Its impulses are no loads.
+  template <bool unequal_moments>
+  SIM_HD void stop_at_plane(int id, Body& body, int p, const WallPlane<Real>& surface, Real change) const {
+    apply_normal_impulse(id, body, surface.normal, change);
+    Real& sum = impulse[index(p, id)];
+    if constexpr (with_friction) {
+      Vector3<Real>& tangential = friction.impulse[index(p, id)];
+      apply_plane_friction<unequal_moments>(id, body, surface.normal, sum + change, tangential,
+                                            surface.friction);
+      tangential = Vector3<Real>::Zero();
+    }
+    sum = 0;
+  }
+
   /// One iteration. `relaxing`: after the move; speculative planes without impulse stay inactive. `pull`:
   /// acceleration for the work of overlap recovery, m/s^2.
+  template <bool unequal_moments = false>
   SIM_HD void solve(int id, Body& body, bool relaxing, const Vector3<Real>& pull) const {
     for (int p = 0; p < count(); ++p) {
       if constexpr (with_box_obstacles)
@@ -368,7 +385,12 @@ struct SoftWalls {
       if (speed < 0 && ends_at_plane(id, body, p)) continue;
       const Real accumulated = is_active(body, p) ? impulse[index(p, id)] : Real(0);
       if (relaxing && !(accumulated > 0)) continue;
-      const Real next = max_of(accumulated - body.mass * (speed + gap * inverse_h), Real(0));
+      const Real over = -(speed + gap * inverse_h);
+      if (relaxing && over > closing_speed) {
+        stop_at_plane<unequal_moments>(id, body, p, surface, body.mass * over);
+        continue;
+      }
+      const Real next = max_of(accumulated + body.mass * over, Real(0));
       if (next == accumulated) continue;
       impulse[index(p, id)] = next;
       activate(id, body, p);
