@@ -31,7 +31,7 @@
 //
 // The impulses for warm starting (loads) keep the removed share: at rest, a load that is reduced would be
 // missing in the next substep. An island that moves has loads of its deceleration; if it gains energy, they
-// are too large, and would lift it again. They are multiplied by the factor f in [0.8, 1] that leaves the
+// are too large, and would lift it again. They are multiplied by the factor f in [0.65, 1] that leaves the
 // least kinetic energy in the next substep, in which a body without loads would have the velocity
 // 2 v - w - P / m:
 //
