@@ -1,5 +1,5 @@
-# cmake -DROOT=<repository> -DBUILD=<build folder> -DWORK=<empty folder> -P package_test.cmake: installs the package, builds the example of
-# capture/ with it, and checks that its picture test passes, and fails for a shift by one pixel.
+# cmake -DROOT=<repository> -DBUILD=<build folder> -DWORK=<empty folder> -DGENERATOR=<of CMake> -P package_test.cmake: installs the
+# package, builds the example of capture/ with it, and checks that its picture test passes, and fails for a shift by one pixel.
 cmake_minimum_required(VERSION 3.25)
 file(REMOVE_RECURSE ${WORK})
 set(prefix ${WORK}/prefix)
@@ -22,7 +22,7 @@ file(COPY ${prefix}/share/collidoscope/example ${prefix}/share/collidoscope/exam
 expect(0 "" cc -shared -fPIC -I ${prefix}/include -o ${WORK}/libmine.so ${WORK}/examples/sweep_and_prune.c)
 expect(0 "broad phase sweep_and_prune" ${prefix}/bin/collidoscope-headless validate ${WORK}/libmine.so)
 
-expect(0 "" ${CMAKE_COMMAND} -S ${WORK}/example -B ${WORK}/build -DCMAKE_PREFIX_PATH=${prefix})
+expect(0 "" ${CMAKE_COMMAND} -G ${GENERATOR} -S ${WORK}/example -B ${WORK}/build -DCMAKE_PREFIX_PATH=${prefix})
 expect(0 "" ${CMAKE_COMMAND} --build ${WORK}/build)
 set(test ${WORK}/build/triangle_test)
 expect(1 "triangle.png is missing" ${test})
