@@ -60,8 +60,10 @@ struct Solve {
         return change;
       }
     }
-    return contact.template solve<true>(
-        speed, motions.mass, motions.parts > 1 ? softness.of_parts(motions.parts) : softness, first);
+    if (!(motions.parts > 1)) return contact.template solve<true>(speed, motions.mass, softness, first);
+    const Real change =
+        contact.template solve<true>(speed, motions.mass, softness.of_parts(motions.parts), first);
+    return last ? change : contact.extend(change, softness.over_relaxation);
   }
   SIM_HD bool finish(SoftContact<Real>& contact, FrictionImpulse<Real>&) const {
     if (last) contact.mark_closing(closing_gap);
@@ -81,7 +83,9 @@ struct Relax {
   bool last;  ///< last pass of this substep
   SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
     contact.mark_pressing();
-    return contact.template solve<false>(motions.velocity().dot(contact.normal), motions.mass, softness);
+    const Real change =
+        contact.template solve<false>(motions.velocity().dot(contact.normal), motions.mass, softness);
+    return last || !(motions.parts > 1) ? change : contact.extend(change, softness.over_relaxation);
   }
   /// `mass`: effective mass, kg, or a TangentResponse.
   template <class Mass>

@@ -19,11 +19,9 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
     : executor_(executor),
       scene_(scene),
       h_(scene.time_step / static_cast<Real>(scene.substeps)),
-      passes_((coloured ? 1 : mass_split_passes) *
-              (!scene.effects.friction && (scene.effects.gravity || scene.effects.attractor)
-                   ? frictionless_passes
-                   : 1)),
-      softness_(Softness<Real>::of(h_, scene.iterations * passes_)),
+      slides_(!scene.effects.friction && (scene.effects.gravity || scene.effects.attractor)),
+      passes_((coloured ? 1 : mass_split_passes) * (slides_ ? frictionless_passes : 1)),
+      softness_(Softness<Real>::of(h_, scene.iterations * passes_, slides_)),
       colouring_(executor),
       coloured_(coloured),
       uncoloured_degrees_(executor),
