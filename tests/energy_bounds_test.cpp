@@ -134,19 +134,19 @@ Scene in_four_iterations(Uniform& uniform) {
 }
 TEST_P(EnergyBounds, PushWorkWithoutInitialOverlap) {
   // One iteration does not pass on all loads of a pile, so bodies overlap, and are pushed apart later. Of
-  // the seeds 0 to 7,999, 7277 exceeds the bound with soft_step (0.034); with jacobi_split, none of 4,000.
+  // the seeds 0 to 7,999, 7180 and 7277 exceed the bound with soft_step (0.020 and 0.036); with
+  // jacobi_split, none of 4,000.
   check(10, 4, 0.01, without_overlap,
         {.value = &EnergyCourse::push_work,
          .solvers = {Solver::soft_step, Solver::jacobi_split},
          .seeds = {761, 3001, 3427}});
 }
-/// Contacts yield under the loads of the stop, and lift the pile afterwards: by more than 0.01 in 3 of 120
-/// runs, at most 0.021; with jacobi_split in 4 of 180, at most 0.019. With one pass instead of two without
-/// friction, jacobi_split has 0.05 to 0.2.
+/// Contacts yield under the loads of the stop, and keep twice the overlap of their load. In 500 runs the
+/// largest value is 0.004; with jacobi_split in 200, 0.003.
 TEST_P(EnergyBounds, PushWorkOfTallPiles) {
-  check(6, 5, 0.03, tall_pile,
+  check(6, 5, 0.01, tall_pile,
         {.value = &EnergyCourse::push_work, .solvers = {Solver::soft_step}, .rates = {60}});
-  check(3, 5, 0.03, tall_pile,
+  check(3, 5, 0.01, tall_pile,
         {.value = &EnergyCourse::push_work, .solvers = {Solver::jacobi_split}, .rates = {60}});
 }
 /// In 4,000 runs with each solver, the largest value is 0.009.

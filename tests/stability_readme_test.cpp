@@ -138,5 +138,11 @@ TEST(StabilityPage, ListsAllCasesAndTheirLimits) {
   EXPECT_THAT(lacking(limits, listed_limits), testing::IsEmpty()) << "limits that are no more";
 }
 
+TEST(StabilityPage, CpuAndGpuReachTheSameStates) {
+  const std::vector<std::string> lines = lines_of_page("| `");
+  EXPECT_FALSE(lines.empty());
+  for (const std::string& line : lines) EXPECT_EQ(line.find("**differ**"), std::string::npos) << line;
+}
+
 }  // namespace
 }  // namespace collidoscope

@@ -135,12 +135,13 @@ struct Impact {
   SIM_HD int sweep() const { return now - 2; }
 
   /// Impact of a heavy body on a supported light one (shock.h). Returns true if the heavy body got an
-  /// impulse.
+  /// impulse. Only contacts that would have an impact without it: most sweeps skip the others.
   SIM_HD bool shock(SoftContact<Real>& contact, const Pair& ids, const ContactBodies<Real>& bodies,
                     Vector3<Real>& v_a, Vector3<Real>& v_b) const {
     if (sweep() < ShockMarks::first_sweep || !(contact.impact.impulse() > 0)) return false;
     const Real w_a = bodies.inverse_mass_a, w_b = bodies.inverse_mass_b;
     if (!shocks.is_shock_pair(ids, w_a, w_b, sweep())) return false;
+    if (normal_change(contact, Motions<Real>{ids, bodies, v_a, v_b, 1 / (w_a + w_b), 1}) == 0) return false;
     const bool a_heavy = w_a < w_b;
     const std::uint32_t heavy = a_heavy ? ids.a : ids.b;
     const Vector3<Real> to_light = a_heavy ? contact.normal : Vector3<Real>(-contact.normal);
@@ -176,6 +177,17 @@ struct Impact {
     return true;
   }
   SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
+    const Real change = normal_change(contact, motions);
+    if (change == 0) return 0;
+    contact.impact.add(change);
+    contact.total += change;
+    const bool rebounds = law.restitution.of_pair(motions.ids, -motions.velocity().dot(contact.normal)) > 0;
+    contact.impulse = rebounds ? Real(0) : max_of(contact.impulse - change, Real(0));
+    atomic_store(again, std::uint32_t{1});
+    return change;
+  }
+  /// Impulse of an impact, N s, or 0.
+  SIM_HD Real normal_change(const SoftContact<Real>& contact, const Motions<Real>& motions) const {
     const Vector3<Real> velocity = motions.velocity();
     const Real approach = -velocity.dot(contact.normal);
     if (!(approach > law.slow)) return 0;
@@ -205,12 +217,7 @@ struct Impact {
     } else if (!(approach + separation > rest + law.rounding * speed)) {
       return 0;
     }
-    const Real change = motions.mass * (approach + separation);
-    contact.impact.add(change);
-    contact.total += change;
-    contact.impulse = e > 0 ? Real(0) : max_of(contact.impulse - change, Real(0));
-    atomic_store(again, std::uint32_t{1});
-    return change;
+    return motions.mass * (approach + separation);
   }
   template <class Mass>
   SIM_HD Vector3<Real> solve_tangent(const SoftContact<Real>& contact, FrictionImpulse<Real>& friction,
