@@ -40,8 +40,8 @@ struct Softness {
   /// would lose 0.1 % of its energy.
   static constexpr double sliding_held_share = 0.8;
   /// In the same scenes. A pile overlaps more in its stop than at rest. With 1, it rises as a whole in the
-  /// seconds after, and `push_work` exceeds 1 % in 3 of 120 tall piles. With 1.5, in none of 120, at most
-  /// 0.7 %; with `jacobi_split` in 1 of 80. With this value in none of 500, at most 0.4 %; none of 200.
+  /// seconds after, and `push_work` exceeds 1 % in 3 of 120 tall piles; with 1.5 in none of 120, and in 1 of
+  /// 80 of `jacobi_split`; with this value in none of 500 and none of 200 (at most 0.4 %).
   static constexpr double sliding_kept_overlap = 2;
   /// In the same scenes. With 1, 9 of 60 tall piles of `jacobi_split` exceed a `push_work` of 1 %, and with
   /// this value 4 of 180. Not tried alone in other scenes.
