@@ -54,6 +54,7 @@ TEST_P(EnergyBounds, MixedRestitution) {
 // ---- piles ----
 
 TEST_P(EnergyBounds, Piles) { check_contacts(8, 3, any_pile); }
+TEST_P(EnergyBounds, FallingColumns) { check_contacts(8, 3, falling_column); }
 TEST_P(EnergyBounds, HeavyBallsOnPiles) { check_contacts(10, 3, heavy_on_pile); }
 TEST_P(EnergyBounds, Friction) { check_contacts(8, 3, rough_pile); }
 TEST_P(EnergyBounds, ManyOnOne) { check_contacts(10, 2, many_on_one); }
@@ -133,20 +134,19 @@ Scene in_four_iterations(Uniform& uniform) {
   return scene;
 }
 TEST_P(EnergyBounds, PushWorkWithoutInitialOverlap) {
-  // One iteration does not pass on all loads of a pile, so bodies overlap, and are pushed apart later. Of
-  // the seeds 0 to 7,999, 7180 and 7277 exceed the bound with soft_step (0.020 and 0.036); with
-  // jacobi_split, none of 4,000.
+  // One iteration does not pass on all loads of a pile, so bodies overlap, and are pushed apart later. In
+  // 8,000 runs with soft_step, the largest value is 0.008; with jacobi_split in 4,000, 0.005.
   check(10, 4, 0.01, without_overlap,
         {.value = &EnergyCourse::push_work,
          .solvers = {Solver::soft_step, Solver::jacobi_split},
-         .seeds = {761, 3001, 3427}});
+         .seeds = {761, 3001, 3427, 7180, 7277}});
 }
-/// Contacts yield under the loads of the stop, and keep twice the overlap of their load. In 500 runs the
-/// largest value is 0.004; with jacobi_split in 200, 0.003.
+/// Contacts yield under the loads of the stop, and keep twice the overlap of their load. In 200 runs the
+/// largest value is 0.0008; with jacobi_split in 80, 0.0010.
 TEST_P(EnergyBounds, PushWorkOfTallPiles) {
-  check(6, 5, 0.01, tall_pile,
+  check(6, 5, 0.003, tall_pile,
         {.value = &EnergyCourse::push_work, .solvers = {Solver::soft_step}, .rates = {60}});
-  check(3, 5, 0.01, tall_pile,
+  check(3, 5, 0.003, tall_pile,
         {.value = &EnergyCourse::push_work, .solvers = {Solver::jacobi_split}, .rates = {60}});
 }
 /// In 4,000 runs with each solver, the largest value is 0.009.

@@ -39,6 +39,26 @@ inline Scene tall_pile(Uniform& uniform) {
   return scene;
 }
 
+/// Balls fall in a shaft, one above the other. Small gaps: a ball is stopped in the same step as the next
+/// one.
+inline Scene falling_column(Uniform& uniform) {
+  Scene scene = impact_space(any_restitution(uniform), g);
+  scene.materials[0].friction = one_of(uniform, {0.0, 0.5});
+  const int count = 2 + static_cast<int>(uniform.random() % 29);
+  const double gap = random_ratio(uniform, 1000) / 1000, speed = uniform(1, 10);
+  double height = 0;
+  for (int k = 0; k < count; ++k) {
+    const double radius = uniform(0.4, 0.5);
+    height += radius + gap;
+    scene.bodies.push_back(
+        sphere(radius, Vector3d(0.55 + (k % 2 == 0 ? 0.04 : -0.04), 0.55 + uniform(-0.02, 0.02), height),
+               Vector3d(0, 0, -speed)));
+    height += radius;
+  }
+  scene.box = Box{Vector3d(0, 0, 0), Vector3d(1.1, 1.1, 1000)};
+  return scene;
+}
+
 /// A heavy ball falls on balls in a shaft.
 inline Scene heavy_on_pile(Uniform& uniform) {
   Scene scene = impact_space(any_restitution(uniform), g);

@@ -31,6 +31,7 @@ struct SpeculativeMargin {
   const PackedVector3<Real>* velocity = nullptr;  ///< m/s, by id
   Real time = 0;                                  ///< s
   Real acceleration_margin = 0;                   ///< m: |acceleration| time^2 of gravity and attractors
+  Real rebound = 0;                               ///< largest coefficient of restitution, 0 to 1
 };
 
 /// Whether two spheres may touch within the predicted time, as long as each acceleration is gravity minus a
@@ -40,6 +41,11 @@ struct SpeculativeMargin {
 /// diameter g. The relative acceleration is therefore at most |g|, and the gap shrinks by at most time |v_b -
 /// v_a| + |g| time^2. (The factor of semi-implicit Euler, K (K + 1) / (2 K^2), is at most 1.) Attractors add
 /// at most their largest acceleration to each body.
+///
+/// An impact may stop one of two bodies that move side by side, or reverse its velocity v. The other one then
+/// approaches at up to (1 + e) v. So their relative displacement may also change by s v, where v is the mean
+/// of the two velocities and |s| <= (1 + e) time. A body at rest that an impact sets in motion may still meet
+/// bodies that are no contacts.
 ///
 /// Drag scales each velocity by any factor l in [0, 1]; the maximum of |l_b v_b - l_a v_a| is at a corner.
 /// With MotionBound::any_direction, the bodies may move directly towards each other.
@@ -58,7 +64,10 @@ SIM_HD bool spheres_will_touch(const Vector3<Real>& a, Real radius_a, const Vect
   if (margin.bound == MotionBound::linear_with_drag)
     squared = max_of(squared, max_of(velocity_a.dot(velocity_a), velocity_b.dot(velocity_b)));
   const Real distance = margin.time * sqrt(squared) + margin.acceleration_margin;
-  return spheres_touch<Real>(a, radius_a, b, radius_b + distance);
+  const Vector3<Real> d = b - a, way = (margin.time * (1 + margin.rebound) / 2) * (velocity_a + velocity_b);
+  const Real along = d.dot(way), length = way.dot(way);
+  const Real share = length > 0 ? min_of(max_of(along / length, Real(-1)), Real(1)) : Real(0);
+  return spheres_touch<Real>(a, radius_a, Vector3<Real>(b - share * way), radius_b + distance);
 }
 
 /// Unit normal from a to b, and the gap along it (m; negative if they overlap). The normal is +z for

@@ -43,7 +43,7 @@ class TypedPipeline final : public Pipeline {
 
   void run() override {
     const auto stages = [&] {
-      detect(speculative_margin());
+      detect(state_.speculative_margin_in(solver_->prediction_time()));
       if (before_writing_ && !executor_.on_device()) before_writing_(*control_.data());
       if (has_given_boxes_) return;  // inspected, not simulated
       // colour, prepare, bounce, forces, solve, move, relax, keep; other solvers have other stages
@@ -91,16 +91,6 @@ class TypedPipeline final : public Pipeline {
   const Aabb* extent() {
     if (state_.box() || has_given_boxes_ || body_count_ == 0) return extent_.data();
     return reduce<Aabb>(executor_, "bounds", body_count_, LoadBox{boxes_.data()}, extent_.data());
-  }
-
-  /// Time span and motion bound for speculative contacts.
-  SpeculativeMargin<Real> speculative_margin() const {
-    const Real time = solver_->prediction_time();
-    if (!(time > 0)) return {};
-    const MotionBound bound = effects_.continuous_collision ? MotionBound::any_direction
-                              : effects_.drag               ? MotionBound::linear_with_drag
-                                                            : MotionBound::linear;
-    return {bound, state_.bodies().velocity.data(), time, state_.acceleration_margin_in(time)};
   }
 
   // ---- set-up and access ----

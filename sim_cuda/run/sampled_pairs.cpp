@@ -59,17 +59,19 @@ class Sample {
     std::int64_t pairs = 0, contacts = 0;
   };
 
-  Vector3d displacement(std::size_t body) const {
-    return spheres_.velocity.empty() ? Vector3d(0, 0, 0) : Vector3d(spheres_.time * spheres_.velocity[body]);
+  Vector3d velocity(std::size_t body) const {
+    return spheres_.velocity.empty() ? Vector3d(0, 0, 0) : spheres_.velocity[body];
   }
+  Vector3d displacement(std::size_t body) const { return spheres_.margin.time * velocity(body); }
   void find_box(std::size_t body) {
     const Vector3d there = displacement(body);
-    const double r = spheres_.radius[body] + spheres_.acceleration_margin,
-                 reach = spheres_.anywhere ? there.norm() : 0;
+    const bool anywhere = spheres_.moves_anywhere();
+    const double r = spheres_.radius[body] + spheres_.margin.acceleration_margin,
+                 reach = anywhere ? there.norm() : 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double x = spheres_.position[body][axis];
-      const double back = spheres_.anywhere ? -reach : std::min(there[axis], 0.0);
-      const double ahead = spheres_.anywhere ? reach : std::max(there[axis], 0.0);
+      const double back = anywhere ? -reach : std::min(there[axis], 0.0);
+      const double ahead = anywhere ? reach : std::max(there[axis], 0.0);
       low_[static_cast<std::size_t>(axis)][body] = static_cast<float>(x - r + back);
       high_[static_cast<std::size_t>(axis)][body] = static_cast<float>(x + r + ahead);
     }
@@ -99,14 +101,8 @@ class Sample {
     return hits;
   }
   bool touch(std::size_t a, std::size_t b) const {
-    double reach = spheres_.radius[a] + spheres_.radius[b];
-    if (spheres_.time > 0) {
-      const Vector3d displacement_a = displacement(a), displacement_b = displacement(b);
-      reach += spheres_.anywhere
-                   ? displacement_a.norm() + displacement_b.norm() + 2 * spheres_.acceleration_margin
-                   : Vector3d(displacement_b - displacement_a).norm() + spheres_.acceleration_margin;
-    }
-    return (spheres_.position[b] - spheres_.position[a]).squaredNorm() <= reach * reach;
+    return spheres_will_touch<double>(spheres_.position[a], spheres_.radius[a], velocity(a),
+                                      spheres_.position[b], spheres_.radius[b], velocity(b), spheres_.margin);
   }
 
   const MovingSpheres& spheres_;

@@ -8,17 +8,17 @@
 
 #include "sim_cuda/core/linear_algebra.h"
 #include "sim_cuda/core/parallel_for.h"
+#include "sim_cuda/narrow_phase/sphere_sphere.h"
 
 namespace collidoscope {
 
-/// Spheres and their motion in a step, for speculative contacts (narrow_phase/sphere_sphere.h).
+/// Spheres and their motion in a step, for speculative contacts.
 struct MovingSpheres {
-  std::vector<Vector3d> position;  ///< m
-  std::vector<double> radius;      ///< m
-  std::vector<Vector3d> velocity;  ///< m/s; empty: all at rest
-  double time = 0;                 ///< prediction time, s; 0: no speculative contacts
-  double acceleration_margin = 0;  ///< m
-  bool anywhere = false;           ///< motion in any direction: continuous collision
+  std::vector<Vector3d> position;         ///< m
+  std::vector<double> radius;             ///< m
+  std::vector<Vector3d> velocity;         ///< m/s; empty: all at rest
+  SpeculativeMargin<double> margin = {};  ///< without velocities
+  bool moves_anywhere() const { return margin.bound == MotionBound::any_direction; }
 };
 
 struct SampledPairs {

@@ -68,6 +68,18 @@ double bounce_threshold(const Physics& physics, int substeps, bool gravity) {
 
 }  // namespace
 
+MotionBound motion_bound(const Effects& effects) {
+  return effects.continuous_collision ? MotionBound::any_direction
+         : effects.drag               ? MotionBound::linear_with_drag
+                                      : MotionBound::linear;
+}
+
+double max_restitution(const Scene& scene) {
+  double largest = 0;
+  for (const Material& material : scene.materials) largest = std::max(largest, material.restitution);
+  return largest;
+}
+
 template <class Real>
 SimulationState<Real>::SimulationState(Executor& executor, const Scene& scene, const InitialBodies& initial,
                                        const Effects& effects, int substeps)
@@ -82,6 +94,7 @@ SimulationState<Real>::SimulationState(Executor& executor, const Scene& scene, c
       kinematic_(executor, "static and kinematic bodies"),
       mesh_(executor, "body meshes"),
       restitution_of_material_(executor, "restitution by material"),
+      max_restitution_(static_cast<Real>(max_restitution(scene))),
       friction_of_material_(executor, "friction by material"),
       rolling_of_material_(executor, "rolling resistance by material"),
       rolling_of_plane_(executor, "rolling resistance by plane"),
@@ -194,6 +207,13 @@ void SimulationState<Real>::upload_surfaces(const Scene& scene) {
   box_surfaces_.upload(box_surfaces<Real>(scene));
   if (plane_count() > 0 || !scene.boxes.empty() || effects_.gravity || effects_.attractor)
     bodies_.static_impulses.upload(std::vector<StaticImpulse>(static_cast<std::size_t>(body_count_)));
+}
+
+template <class Real>
+SpeculativeMargin<Real> SimulationState<Real>::speculative_margin_in(Real time) const {
+  if (!(time > 0)) return {};
+  return {motion_bound(effects_), bodies_.velocity.data(), time, acceleration_margin_in(time),
+          max_restitution_};
 }
 
 template <class Real>

@@ -18,6 +18,11 @@
 
 namespace collidoscope {
 
+/// How bodies move in a step, for speculative contacts.
+MotionBound motion_bound(const Effects& effects);
+/// Over all materials, 0 to 1.
+double max_restitution(const Scene& scene);
+
 template <class Real>
 class SimulationState {
  public:
@@ -44,8 +49,8 @@ class SimulationState {
     return {bodies_.position.data(), bodies_.radius.data(),
             kinematic_.size() > 0 ? bodies_.inverse_mass.data() : nullptr};
   }
-  /// Upper bound on the relative displacement of two bodies in `time` s by gravity and attractors, m.
-  Real acceleration_margin_in(Real time) const;
+  /// How far to predict contacts for the next `time` s; not at all if it is 0.
+  SpeculativeMargin<Real> speculative_margin_in(Real time) const;
   /// Input of a solver. `joints`: null if the effect is off.
   SolverScene<Real> solver_scene(const Scene& scene, int substeps, StepControl* control,
                                  Joints<Real>* joints) const;
@@ -57,6 +62,8 @@ class SimulationState {
   void upload(const BodyStates& states, const std::vector<StaticImpulse>& static_impulses);
 
  private:
+  /// Upper bound on the relative displacement of two bodies in `time` s by gravity and attractors, m.
+  Real acceleration_margin_in(Real time) const;
   void upload_bodies(const InitialBodies& initial);
   void upload_rotation(const InitialBodies& initial);
   void upload_materials(const Scene& scene, const InitialBodies& initial, int substeps);
@@ -76,6 +83,7 @@ class SimulationState {
   Buffer<std::uint32_t> kinematic_;  // ids of static and kinematic bodies
   Buffer<std::uint32_t> mesh_;       // by body, 0: sphere; empty: all are spheres
   Buffer<Real> restitution_of_material_;
+  const Real max_restitution_;
   Buffer<Real> friction_of_material_;                    // empty if the effect is off
   Buffer<Real> rolling_of_material_, rolling_of_plane_;  // empty if the effect is off
   Buffer<WallPlane<Real>> planes_;

@@ -9,6 +9,7 @@
 #include "sim_cuda/core/error.h"
 #include "sim_cuda/core/host_memory.h"
 #include "sim_cuda/run/sampled_pairs.h"
+#include "sim_cuda/run/simulation_state.h"
 #include "sim_cuda/scene/body_count.h"
 #include "sim_cuda/scene/broad_phase_methods.h"
 
@@ -46,9 +47,8 @@ MovingSpheres spheres_of(const WorldSetup& setup) {
   double acceleration = effects.gravity ? physics.gravity.norm() : 0;
   for (const Attractor& attractor : physics.attractors)
     if (effects.attractor) acceleration += 2 * max_field(attractor);
-  spheres.time = physics.time_step;
-  spheres.acceleration_margin = spheres.time * spheres.time * acceleration;
-  spheres.anywhere = effects.continuous_collision;
+  const double time = physics.time_step;
+  spheres.margin = {motion_bound(effects), nullptr, time, time * time * acceleration, max_restitution(scene)};
   return spheres;
 }
 

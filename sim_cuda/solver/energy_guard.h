@@ -30,14 +30,16 @@
 // does the last removal. Bodies that moved freely have no term m h^2 g . g / 2, because free flight is exact.
 //
 // The impulses for warm starting (loads) keep the removed share: at rest, a load that is reduced would be
-// missing in the next substep. An island that moves has loads of its deceleration; if it gains energy, they
-// are too large, and would lift it again. They are multiplied by the factor f in [0.65, 1] that leaves the
-// least kinetic energy in the next substep, in which a body without loads would have the velocity
-// 2 v - w - P / m:
+// missing in the next substep. An island that is stopped has loads of its deceleration. They are too large,
+// and would lift it in every substep: its velocities are limited after the move, so nothing else would end
+// this. So with gravity or attractors, the loads of an island that gains energy are multiplied by the factor
+// f in [0.65, 1] that leaves the least kinetic energy in the next substep, in which a body without loads
+// would have the velocity 2 v - w - P / m:
 //
 //   f = 1 + s - sum of (2 v - w) . P / D
 //
-// With friction, loads stay as they are: settled piles would keep deeper overlaps (README.md).
+// Without gravity, loads come from overlap only, and bodies that start with one centre would separate more
+// slowly.
 //
 // An island is a set of dynamic bodies that are connected by contacts that have pressed in the step, or by
 // joints. The sets only grow within a step, so a substep starts with those of the last one. Springs are
@@ -129,7 +131,7 @@ class EnergyGuard {
   Buffer<std::uint8_t> active_;        ///< by body: see GuardRounds
   Buffer<std::uint32_t> rigid_scale_;  ///< see GuardRounds
   Buffer<std::uint64_t> rigid_sums_;   ///< see GuardRounds
-  Buffer<float> load_factor_;          ///< see GuardRounds; empty with friction
+  Buffer<float> load_factor_;          ///< see GuardRounds; empty without gravity and attractors
   Buffer<std::uint8_t> is_free_;       ///< by body; empty with Euler's integrator
 };
 

@@ -110,9 +110,6 @@ struct GuardRounds : GuardSums<Real> {
   /// At least this share of a load remains: the next iteration must replace what is missing.
   /// With 1, a tall pile that is stopped rises by ten times as much. 0.95 has a quarter of the effect.
   static constexpr double least_load_factor = 0.65;
-  /// Islands slower than this keep their loads: sum of m v . v over that of P . P / m, which is the sum of
-  /// m (g h)^2 at rest. With 0.3, tall columns do not come to rest; with 1 they do.
-  static constexpr double least_motion = 2;
   static constexpr double relative_rounding = sizeof(Real) == 4 ? 1e-6 : 1e-9;
 
   /// `loads`: only after the first removal.
@@ -318,8 +315,7 @@ struct GuardRounds : GuardSums<Real> {
         correction = all.without_share(has_moments(removal) ? 1.0 : largest_descent);
       more = all.gain_without(correction.share) > error;
       if (removal == 0 && load_factor != nullptr && body == root &&
-          all.by_self() > resolution * unit_of_sum(scale[root]) &&
-          all.motion() > least_motion * all.by_self())
+          all.by_self() > resolution * unit_of_sum(scale[root]))
         load_factor[body] =
             static_cast<float>(min_of(max_of(all.next_loads(correction.share), least_load_factor), 1.0));
     }

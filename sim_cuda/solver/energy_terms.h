@@ -38,7 +38,7 @@ SIM_HD inline std::uint64_t in_units(double value, double one, int bits = bits_o
 
 /// Terms of a body or an island, J; names as in energy_guard.h. Angular terms are included.
 struct EnergyTerms {
-  static constexpr std::uint32_t count = 8;
+  static constexpr std::uint32_t count = 7;
   double values[count];
   SIM_HD double start() const { return values[0]; }   ///< sum of m w . d
   SIM_HD double square() const { return values[1]; }  ///< sum of m d . d / 2
@@ -47,9 +47,8 @@ struct EnergyTerms {
   SIM_HD double by_start() const { return values[3]; }   ///< sum of w . P
   SIM_HD double by_change() const { return values[4]; }  ///< sum of d . P
   SIM_HD double by_self() const { return values[5]; }    ///< sum of P . P / m, D
-  // Only without friction and for the first removal; else 0.
-  SIM_HD double by_next() const { return values[6]; }  ///< sum of (2 v - w) . P, v: at the end
-  SIM_HD double motion() const { return values[7]; }   ///< sum of m v . v of bodies with impulses
+  /// Sum of (2 v - w) . P, v: at the end. Only for the first removal, where loads have a factor; else 0.
+  SIM_HD double by_next() const { return values[6]; }
 
   SIM_HD double gain() const { return start() + square() - allowed(); }  ///< G
   SIM_HD double linear() const { return by_start() + by_change(); }      ///< S
