@@ -39,7 +39,8 @@
 //   f = 1 + s - sum of (2 v - w) . P / D
 //
 // Without gravity, loads come from overlap only, and bodies that start with one centre would separate more
-// slowly.
+// slowly. With friction and unequal moments of inertia, loads stay as they are: in 1 of 960 random scenes, a
+// body that loads had turned would gain 1 % of the largest kinetic energy, and no removal can take that.
 //
 // An island is a set of dynamic bodies that are connected by contacts that have pressed in the step, or by
 // joints. The sets only grow within a step, so a substep starts with those of the last one. Springs are
@@ -131,7 +132,7 @@ class EnergyGuard {
   Buffer<std::uint8_t> active_;        ///< by body: see GuardRounds
   Buffer<std::uint32_t> rigid_scale_;  ///< see GuardRounds
   Buffer<std::uint64_t> rigid_sums_;   ///< see GuardRounds
-  Buffer<float> load_factor_;          ///< see GuardRounds; empty without gravity and attractors
+  Buffer<float> load_factor_;          ///< see GuardRounds; may be empty
   Buffer<std::uint8_t> is_free_;       ///< by body; empty with Euler's integrator
 };
 
