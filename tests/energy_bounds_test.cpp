@@ -149,8 +149,8 @@ TEST_P(EnergyBounds, PushWorkOfTallPiles) {
   check(3, 5, 0.003, tall_pile,
         {.value = &EnergyCourse::push_work, .solvers = {Solver::jacobi_split}, .rates = {60}});
 }
-/// A limit (solver/README.md): of 400 columns, 84 exceed 0.01, and the largest value is 0.11. Where loads
-/// keep lifting a column that has been stopped, 96 do, and it is 0.39.
+/// A limit of soft_step (solver/README.md): of 400 columns, 84 exceed 0.01, and the largest value is 0.11.
+/// If the energy guard kept the loads of slow islands, 96 would, and it would be 0.39.
 TEST_P(EnergyBounds, PushWorkOfColumns) {
   check(
       30, 4, 0.01, falling_column,

@@ -39,8 +39,8 @@ inline Scene tall_pile(Uniform& uniform) {
   return scene;
 }
 
-/// Balls fall in a shaft, one above the other. Small gaps: a ball is stopped in the same step as the next
-/// one.
+/// Balls fall in a shaft, one above the other, with gaps of 1 mm to 1 m. With small gaps, several balls are
+/// stopped in one step.
 inline Scene falling_column(Uniform& uniform) {
   Scene scene = impact_space(any_restitution(uniform), g);
   scene.materials[0].friction = one_of(uniform, {0.0, 0.5});

@@ -49,13 +49,6 @@ TEST_P(SoftStep, OneBodyAtRestWeighsMg) {
               1e-9 * world.measure().wall_impulse);
 }
 
-/// m, at rest, between bodies of equal mass: load / (mass omega^2). `load_over_mass`: load over effective
-/// mass, in g.
-double overlap_of_load(double load_over_mass) {
-  const double omega = 2 * 3.14159265358979323846 * Softness<double>::cycles_per_substep * 240;
-  return load_over_mass * 9.81 / (omega * omega);
-}
-
 TEST_P(SoftStep, TwentyStackedInATubeHoldAndEachContactBearsWhatStandsOnIt) {
   for (const Precision precision : {Precision::f32, Precision::f64}) {
     const int count = 20;
@@ -64,8 +57,7 @@ TEST_P(SoftStep, TwentyStackedInATubeHoldAndEachContactBearsWhatStandsOnIt) {
     world.step(900);
     const StepStats stats = world.measure();
     EXPECT_LT(stats.max_speed, 2e-3);
-    EXPECT_LT(stats.max_penetration, 2.02 * overlap_of_load(2 * (count - 1)))
-        << "twice that of the load, which is 0.5 % larger than the weight, because the column is tilted";
+    EXPECT_LT(stats.max_penetration, 0.005) << "1 % of the radius";
     const BodyStates states = world.bodies();
     const double mass = world.initial().mass[0];
     int found = 0;
@@ -89,7 +81,7 @@ TEST_P(SoftStep, AColumnCarriesAHundredTimesItsSpheresMass) {
   world.step(1200);
   const StepStats stats = world.measure();
   EXPECT_LT(stats.max_speed, 0.01);
-  EXPECT_LT(stats.max_penetration, 2.05 * overlap_of_load(2 * 119)) << "twice that of the load";
+  EXPECT_LT(stats.max_penetration, 0.025) << "5 % of the radius";
 }
 
 TEST(Softness, ALoadSinksInByItsStiffness) {

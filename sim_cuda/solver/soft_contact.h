@@ -39,12 +39,12 @@ struct Softness {
   /// load. With friction, bodies would creep on their way to it; without gravity, a rack of touching balls
   /// would lose 0.1 % of its energy.
   static constexpr double sliding_held_share = 0.8;
-  /// In the same scenes. A pile overlaps more in its stop than at rest. With 1, it rises as a whole in the
-  /// seconds after, and `push_work` exceeds 1 % in 3 of 120 tall piles; with 1.5 in none of 120, and in 1 of
-  /// 80 of `jacobi_split`; with this value in none of 500 and none of 200 (at most 0.4 %).
+  /// In the same scenes. A pile overlaps more in its stop than at rest, and would rise in the seconds after.
+  /// With 1, `push_work` is at most 0.35 % in 60 tall piles, and 2.0 % in the worst random pile; with this
+  /// value at most 0.08 % in 200 tall piles, and 0.7 % in that random pile.
   static constexpr double sliding_kept_overlap = 2;
-  /// In the same scenes. With 1, 9 of 60 tall piles of `jacobi_split` exceed a `push_work` of 1 %, and with
-  /// this value 4 of 180. Not tried alone in other scenes.
+  /// In the same scenes. In physics version 16, 9 of 60 tall piles of `jacobi_split` exceeded a `push_work`
+  /// of 1 % with 1, and 4 of 180 with this value. Not tried alone in other scenes.
   static constexpr double sliding_over_relaxation = 1.6;
 
   /// For parts of split bodies. `parts`: effective mass of the whole bodies over that of the parts. The
