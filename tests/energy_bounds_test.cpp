@@ -134,27 +134,26 @@ Scene in_four_iterations(Uniform& uniform) {
   return scene;
 }
 TEST_P(EnergyBounds, PushWorkWithoutInitialOverlap) {
-  // One iteration does not pass on all loads of a pile, so bodies overlap, and are pushed apart later. Of
-  // the seeds 0 to 7,999, 1877 exceeds the bound with soft_step (0.011); with jacobi_split, none of 4,000.
+  // One iteration does not pass on all loads of a pile, so bodies overlap, and are pushed apart later. The
+  // largest value of 8,000 runs with soft_step is 0.0057, of 4,000 with jacobi_split 0.0045.
   check(10, 4, 0.01, without_overlap,
         {.value = &EnergyCourse::push_work,
          .solvers = {Solver::soft_step, Solver::jacobi_split},
-         .seeds = {761, 3001, 3427, 7180, 7277}});
+         .seeds = {761, 1877, 3001, 3427, 7180, 7277}});
 }
-/// Contacts yield under the loads of the stop, and keep twice the overlap of their load. In 200 runs the
-/// largest value is 0.0008; with jacobi_split in 80, 0.0010.
+/// Contacts yield under the loads of the stop, and keep up to three times the overlap of their load. In 200
+/// runs the largest value is 0.0002; with jacobi_split in 80, the same.
 TEST_P(EnergyBounds, PushWorkOfTallPiles) {
   check(6, 5, 0.003, tall_pile,
         {.value = &EnergyCourse::push_work, .solvers = {Solver::soft_step}, .rates = {60}});
   check(3, 5, 0.003, tall_pile,
         {.value = &EnergyCourse::push_work, .solvers = {Solver::jacobi_split}, .rates = {60}});
 }
-/// A limit of soft_step (solver/README.md): of 400 columns, 84 exceed 0.01, and the largest value is 0.11.
-/// If the energy guard kept the loads of slow islands, 96 would, and it would be 0.39.
+/// A limit of soft_step (solver/README.md): of 400 columns, 63 exceed 0.01, and the largest value is 0.089.
 TEST_P(EnergyBounds, PushWorkOfColumns) {
   check(
       30, 4, 0.01, falling_column,
-      {.value = &EnergyCourse::push_work, .solvers = {Solver::soft_step}, .share_above = 0.3, .most = 0.12});
+      {.value = &EnergyCourse::push_work, .solvers = {Solver::soft_step}, .share_above = 0.25, .most = 0.1});
 }
 /// In 4,000 runs with each solver, the largest value is 0.009.
 TEST_P(EnergyBounds, PushWorkWithoutInitialOverlapInFourIterations) {

@@ -177,7 +177,7 @@ TEST_P(JacobiSplit, PilesComeToRestAsWithColours) {
   coloured.step(600);
   const StepStats s = split.measure(), c = coloured.measure();
   EXPECT_EQ(s.escaped + s.non_finite, 0);
-  for (const StepStats& stats : {s, c}) EXPECT_LT(stats.max_penetration, 0.1) << "m, of radii of up to 6 m";
+  for (const StepStats& stats : {s, c}) EXPECT_LT(stats.max_penetration, 0.25) << "m, of radii of up to 6 m";
   double mass = 0;
   for (const double m : split.initial().mass) mass += m;
   EXPECT_LT(s.kinetic_energy, 1e-3 * mass * 9.81 * 50) << "of what the fall released";

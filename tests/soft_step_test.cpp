@@ -97,21 +97,24 @@ TEST(Softness, ALoadSinksInByItsStiffness) {
   EXPECT_NEAR(contact.solve<true>(0, mass, softness) / (load * h), 0, 1e-12);
 }
 
-TEST(Softness, AContactWithALoadKeepsTwiceTheOverlap) {
+TEST(Softness, AContactWithALoadKeepsAMultipleOfItsOverlap) {
   const double h = 1.0 / 240, load = 7, mass = 3;
-  const Softness<double> softness = Softness<double>::of(h, 2, true);
   const double omega = 2 * 3.14159265358979323846 * Softness<double>::cycles_per_substep / h;
-  const auto change = [&](double overlaps) {
-    SoftContact<double> contact{};
-    contact.radius = 1;
-    contact.impulse = load * h;
-    contact.gap = -overlaps * load / (mass * omega * omega);
-    return contact.solve<true>(0, mass, softness) / (load * h);
-  };
-  EXPECT_LT(change(0.99), -1e-4) << "yields";
-  EXPECT_NEAR(change(1.01), 0, 1e-12);
-  EXPECT_NEAR(change(1.99), 0, 1e-12);
-  EXPECT_GT(change(2.01), 1e-4) << "recovers";
+  for (const bool with_friction : {false, true}) {
+    const Softness<double> softness = Softness<double>::of(h, 2, true, with_friction);
+    const auto change = [&](double overlaps) {
+      SoftContact<double> contact{};
+      contact.radius = 1;
+      contact.impulse = load * h;
+      contact.gap = -overlaps * load / (mass * omega * omega);
+      return contact.solve<true>(0, mass, softness) / (load * h);
+    };
+    const double kept = Softness<double>::pulled_kept_overlap;
+    EXPECT_LT(change(0.99), -1e-4) << "yields";
+    EXPECT_NEAR(change(1.01), 0, 1e-12);
+    EXPECT_NEAR(change(kept - 0.01), 0, 1e-12);
+    EXPECT_GT(change(kept + 0.01), 1e-4) << "recovers";
+  }
 }
 
 TEST_P(SoftStep, AColumnSinksInByThatMuch) {

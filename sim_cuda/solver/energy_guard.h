@@ -38,9 +38,11 @@
 //
 //   f = 1 + s - sum of (2 v - w) . P / D
 //
-// Without gravity, loads come from overlap only, and bodies that start with one centre would separate more
-// slowly. With friction and unequal moments of inertia, loads stay as they are: in 1 of 960 random scenes, a
-// body that loads had turned would gain 1 % of the largest kinetic energy, and no removal can take that.
+// With friction, loads of slow islands are reduced less (GuardRounds::full_motion). Without friction, tall
+// piles rest with the full factor. Without gravity, loads come from overlap only, and bodies that start with
+// one centre would separate more slowly. With friction and unequal moments of inertia, loads stay as they
+// are: in 1 of 960 random scenes, a body that loads had turned would gain 1 % of the largest kinetic energy,
+// and no removal can take that.
 //
 // An island is a set of dynamic bodies that are connected by contacts that have pressed in the step, or by
 // joints. The sets only grow within a step, so a substep starts with those of the last one. Springs are

@@ -25,8 +25,8 @@ struct GuardRounds : GuardSums<Real> {
       Sums::grounded, Sums::group, Sums::has_left_plane, Sums::has_moments, Sums::has_pressed,
       Sums::is_active, Sums::is_exempt, Sums::is_first_substep, Sums::is_grounded, Sums::is_guarded,
       Sums::is_moving, Sums::is_rigid, Sums::joints, Sums::load_factor, Sums::parent, Sums::removals,
-      Sums::rigid_scale, Sums::rigid_sums, Sums::scale, Sums::start_spin, Sums::sums, Sums::surfaces,
-      Sums::take_from_planes, Sums::touches_plane;
+      Sums::rigid_scale, Sums::rigid_sums, Sums::scale, Sums::slow_keep_loads, Sums::start_spin, Sums::sums,
+      Sums::surfaces, Sums::take_from_planes, Sums::touches_plane;
   using typename Sums::Change;
   double* gains;           ///< by body, J: energy added by contacts, less its rounding
   std::uint32_t* largest;  ///< bits of the largest magnitude in `gains` (float)
@@ -110,6 +110,11 @@ struct GuardRounds : GuardSums<Real> {
   /// At least this share of a load remains: the next iteration must replace what is missing.
   /// With 1, a tall pile that is stopped rises by ten times as much. 0.95 has a quarter of the effect.
   static constexpr double least_load_factor = 0.65;
+  /// With friction, the loads of slower islands are reduced less: sum of m v . v over that of P . P / m,
+  /// which is the sum of m (g h)^2 at rest. One factor for all loads takes from a whole pile at rest what
+  /// single bodies gain. With the full factor, 100 layers come to rest after 18 instead of 10 s, and 200,000
+  /// spheres do not.
+  static constexpr double full_motion = 2;
   static constexpr double relative_rounding = sizeof(Real) == 4 ? 1e-6 : 1e-9;
 
   /// `loads`: only after the first removal.
@@ -289,6 +294,11 @@ struct GuardRounds : GuardSums<Real> {
     if (factor < 1) contacts.soft[item].impulse *= static_cast<Real>(factor);
   }
   SIM_HD float load_factor_of(std::uint32_t body) const { return load_factor[root_of(parent, body)]; }
+  /// Factor of the loads of an island. `removed`: share of impulses that has been removed from velocities.
+  SIM_HD double factor_of(const EnergyTerms& all, double removed) const {
+    const double part = slow_keep_loads ? min_of(all.motion() / (full_motion * all.by_self()), 1.0) : 1.0;
+    return min_of(max_of(1 + part * (all.next_loads(removed) - 1), least_load_factor), 1.0);
+  }
 
   /// Correction of the island of a body. Requests the next removal if energy is still gained after it.
   SIM_HD EnergyCorrection correction_of(int removal, std::uint32_t body) const {
@@ -316,8 +326,7 @@ struct GuardRounds : GuardSums<Real> {
       more = all.gain_without(correction.share) > error;
       if (removal == 0 && load_factor != nullptr && body == root &&
           all.by_self() > resolution * unit_of_sum(scale[root]))
-        load_factor[body] =
-            static_cast<float>(min_of(max_of(all.next_loads(correction.share), least_load_factor), 1.0));
+        load_factor[body] = static_cast<float>(factor_of(all, correction.share));
     }
     if (next >= removals) return correction;
     active[body] = static_cast<std::uint8_t>(next + 1);

@@ -28,6 +28,7 @@ struct GuardSums : GuardedBodies<Real> {
   std::uint32_t* rigid_scale;       ///< by root and kind: bits of the largest value (float)
   std::uint64_t* rigid_sums;        ///< by root: RigidSums, in units of the largest value of a kind
   float* load_factor;               ///< by root: factor of the impulses for warm starting, or null
+  bool slow_keep_loads;             ///< loads of slow islands are reduced less, see GuardRounds::full_motion
 
   /// Removals: impulses at the end of the substep, steps of steepest descent, motion relative to the rigid
   /// motion.
@@ -186,6 +187,10 @@ struct GuardSums : GuardedBodies<Real> {
     sum.values[3] = work_velocity(body).dot(impulse);
     sum.values[4] = wide(bodies.velocity[body].load() - free_velocity(body)).dot(impulse);
     sum.values[5] = static_cast<double>(bodies.inverse_mass[body]) * impulse.dot(impulse);
+    if (removal == 0 && slow_keep_loads && sum.values[5] > 0) {
+      const Vector3<double> v = wide(bodies.velocity[body]);
+      sum.values[7] = static_cast<double>(bodies.mass[body]) * v.dot(v);
+    }
     if (removal == 0 && load_factor != nullptr)
       sum.values[6] = (2 * wide(bodies.velocity[body]) - wide(start[body])).dot(impulse);
     if (start_spin == nullptr || !has_moments(removal)) return sum;

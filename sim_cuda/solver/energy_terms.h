@@ -38,7 +38,7 @@ SIM_HD inline std::uint64_t in_units(double value, double one, int bits = bits_o
 
 /// Terms of a body or an island, J; names as in energy_guard.h. Angular terms are included.
 struct EnergyTerms {
-  static constexpr std::uint32_t count = 7;
+  static constexpr std::uint32_t count = 8;
   double values[count];
   SIM_HD double start() const { return values[0]; }   ///< sum of m w . d
   SIM_HD double square() const { return values[1]; }  ///< sum of m d . d / 2
@@ -49,6 +49,8 @@ struct EnergyTerms {
   SIM_HD double by_self() const { return values[5]; }    ///< sum of P . P / m, D
   /// Sum of (2 v - w) . P, v: at the end. Only for the first removal, where loads have a factor; else 0.
   SIM_HD double by_next() const { return values[6]; }
+  /// Sum of m v . v of bodies with impulses. Only for the first removal with slow_keep_loads; else 0.
+  SIM_HD double motion() const { return values[7]; }
 
   SIM_HD double gain() const { return start() + square() - allowed(); }  ///< G
   SIM_HD double linear() const { return by_start() + by_change(); }      ///< S
