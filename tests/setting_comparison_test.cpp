@@ -81,7 +81,7 @@ TEST_P(SettingComparisons, ShowWhatAccuracyCosts) {
   ASSERT_EQ(world.substeps(), 1);
   double error = result.reference_error;
   for (const char* substeps : {"2", "4", "8", "16"}) {
-    const ComparedSetting& row = row_of(result, "substeps", substeps);
+    const ComparedSetting row = row_of(result, "substeps", substeps);
     EXPECT_NEAR(error / row.error, 4, 0.1) << substeps;
     EXPECT_GE(row.estimate.pairs, 6) << substeps;
     EXPECT_GT(row.ms, 0) << substeps;

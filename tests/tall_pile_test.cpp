@@ -35,8 +35,7 @@ Scene sixty_layers(double friction) {
 }
 
 TEST_P(TallPile, ComesToRest) {
-  // In physics version 18, half of the balls are faster than 20 mm/s without friction, and than 2 mm/s with
-  // it. Single balls may roll on.
+  // In physics version 18, half of the balls were faster than 8 mm/s. Single balls may roll on.
   for (const double friction : {0.0, 0.5}) {
     World world(sixty_layers(friction), options());
     world.step(300);
