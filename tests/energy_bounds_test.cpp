@@ -107,7 +107,7 @@ TEST_P(EnergyBounds, InitialOverlapOfTumblingBodies) {
                    set_inertias(scene, uniform);
                    return scene;
                  },
-                 {62, 507, 764});
+                 {62, 255, 507, 764});
 }
 
 TEST_P(EnergyBounds, RecoveryFromRest) { check_contacts(30, 1, overlap_at_rest); }

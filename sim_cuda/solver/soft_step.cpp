@@ -22,7 +22,9 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       slides_(!scene.effects.friction && (scene.effects.gravity || scene.effects.attractor)),
       passes_((coloured ? 1 : mass_split_passes) * (slides_ ? frictionless_passes : 1)),
       softness_(Softness<Real>::of(h_, scene.iterations * passes_,
-                                   scene.effects.gravity || scene.effects.attractor, scene.effects.friction)),
+                                   (scene.effects.gravity || scene.effects.attractor) &&
+                                       !(scene.effects.friction && scene.unequal_moments),
+                                   scene.effects.friction)),
       colouring_(executor),
       coloured_(coloured),
       uncoloured_degrees_(executor),
