@@ -59,6 +59,10 @@ struct SolverScene {
 
   /// Number of static surfaces: planes, then boxes.
   int surfaces() const { return plane_count + boxes.count; }
+  /// True if contacts keep overlap (Softness) and the energy guard reduces loads (energy_guard.h).
+  bool limits_recovery() const {
+    return (effects.gravity || effects.attractor) && !(effects.friction && unequal_moments);
+  }
   Joints<Real>* joints;  ///< null if the effect is off
 };
 

@@ -51,9 +51,7 @@ EnergyGuard<Real>::EnergyGuard(Executor& executor, const SolverScene<Real>& scen
   active_.resize_discarding(n);
   rigid_scale_.resize_discarding(std::size_t{RigidSums::kinds} * n);
   rigid_sums_.resize_discarding(std::size_t{RigidSums::count} * n);
-  const bool turns_unequally = scene.effects.friction && scene.unequal_moments;
-  if ((scene.effects.gravity || scene.effects.attractor) && !turns_unequally)
-    load_factor_.resize_discarding(n);
+  if (scene.limits_recovery()) load_factor_.resize_discarding(n);
   if (scene.integrator != Integrator::semi_implicit_euler) is_free_.resize_discarding(n);
 }
 

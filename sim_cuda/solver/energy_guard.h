@@ -42,7 +42,7 @@
 // piles rest with the full factor. Without gravity, loads come from overlap only, and bodies that start with
 // one centre would separate more slowly. With friction and unequal moments of inertia, loads stay as they
 // are: in 1 of 960 random scenes, a body that loads had turned would gain 1 % of the largest kinetic energy,
-// and no removal can take that. For the same reason, these scenes keep no overlap (Softness::of).
+// and no removal can take that. One of them also gained energy with more kept overlap (Softness).
 //
 // An island is a set of dynamic bodies that are connected by contacts that have pressed in the step, or by
 // joints. The sets only grow within a step, so a substep starts with those of the last one. Springs are

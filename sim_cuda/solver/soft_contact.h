@@ -59,7 +59,7 @@ struct Softness {
     return result;
   }
 
-  /// `pulled`: with gravity or attractors, but not with friction and unequal moments of inertia.
+  /// `pulled`: SolverScene::limits_recovery(), with gravity or attractors.
   static Softness of(Real h, int passes, bool pulled = false, bool with_friction = false) {
     const Real full_circle = Real(6.283185307179586), zeta = Real(damping_ratio);
     const Real angle = full_circle * Real(cycles_per_substep);  // h omega

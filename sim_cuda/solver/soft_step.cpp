@@ -21,9 +21,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       h_(scene.time_step / static_cast<Real>(scene.substeps)),
       slides_(!scene.effects.friction && (scene.effects.gravity || scene.effects.attractor)),
       passes_((coloured ? 1 : mass_split_passes) * (slides_ ? frictionless_passes : 1)),
-      softness_(Softness<Real>::of(h_, scene.iterations * passes_,
-                                   (scene.effects.gravity || scene.effects.attractor) &&
-                                       !(scene.effects.friction && scene.unequal_moments),
+      softness_(Softness<Real>::of(h_, scene.iterations * passes_, scene.limits_recovery(),
                                    scene.effects.friction)),
       colouring_(executor),
       coloured_(coloured),
