@@ -56,6 +56,16 @@ concept RoundsOfFewItems = ItemRounds<Rounds> && requires {
   Rounds::most_threads;
 };
 
+/// After some rounds, one block may run all rounds that are left faster than the whole grid:
+///
+///   static constexpr bool has_short_rest = true;
+///   SIM_HD bool rest_is_short(int round) const;  // called after a round with items; same in all threads
+///   __device__ void run_rest(int round) const;   // the rounds after this one, by the threads of one block
+template <class Rounds>
+concept RoundsWithShortRest = ItemRounds<Rounds> && requires {
+  requires Rounds::has_short_rest;
+};
+
 /// The first rounds split an item into fetch and process, so that its operands can be loaded early:
 ///
 ///   static constexpr int prefetched_rounds;  // number of these rounds
@@ -138,6 +148,11 @@ __device__ void run_rounds_in(const cooperative_groups::grid_group& grid, const 
     if (items < 0) return;
     for (std::int64_t i = rank; i < items; i += lanes) stage(round, static_cast<int>(i));
     grid.sync();
+    if constexpr (RoundsWithShortRest<Rounds>)
+      if (stage.rest_is_short(round)) {
+        if (blockIdx.x == 0) stage.run_rest(round);
+        return;
+      }
   }
 }
 

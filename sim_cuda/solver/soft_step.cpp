@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "sim_cuda/dynamics/awake.h"
-#include "sim_cuda/solver/impact.h"
+#include "sim_cuda/solver/impact_sweeps.h"
 #include "sim_cuda/solver/soft_begin.h"
 #include "sim_cuda/solver/soft_iteration.h"
 #include "sim_cuda/solver/soft_prepare.h"
@@ -47,6 +47,11 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       impact_sweeps_(executor, "impact sweep flags"),
       struck_(executor, "struck bodies"),
       struck_contacts_(executor, "contacts of struck bodies"),
+      last_sweep_sizes_(executor, "sizes of the last sweeps"),
+      last_sweep_bodies_(executor, "bodies of the last sweeps"),
+      last_sweep_next_(executor, "bodies of the next sweep"),
+      last_sweep_places_(executor, "contacts of the last sweeps"),
+      last_sweep_listed_(executor, "listed contacts"),
       driven_(executor, "bodies hit by heavy ones"),
       supported_(executor, "bodies with impulses of the ground"),
       planes_(executor, scene),
@@ -59,6 +64,11 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       residuals_(executor),
       cache_(executor, scene.body_count, scene.effects.friction) {
   impact_sweeps_.upload(std::vector<std::uint32_t>(max_impact_sweeps + 1, 0));
+  if (executor.on_device()) {
+    last_sweep_sizes_.upload(std::vector<std::uint32_t>(max_impact_sweeps, 0));
+    last_sweep_bodies_.resize_discarding(static_cast<std::size_t>(scene.body_count));
+    last_sweep_next_.resize_discarding(static_cast<std::size_t>(scene.body_count));
+  }
   if (!coloured) {
     split_begin_.upload(std::vector<std::uint32_t>(Colouring::colours + 1, 0));
     split_count_.upload(std::vector<std::uint32_t>(Colouring::colours + 1, 0));
@@ -74,6 +84,8 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
   struck_.resize_discarding(static_cast<std::size_t>(scene.body_count));
   driven_.resize_discarding(static_cast<std::size_t>(scene.body_count));
   supported_.resize_discarding(static_cast<std::size_t>(scene.body_count));
+  driven_.fill_zero();
+  supported_.fill_zero();
   step_bodies_.resize_discarding(static_cast<std::size_t>(scene.body_count));
   if (scene.effects.friction) body_friction_.resize_discarding(static_cast<std::size_t>(scene.body_count));
 }
@@ -98,7 +110,11 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   soft_.resize_discarding(m);
   sums_.resize_discarding(m);
   uncoloured_change_.resize_discarding(m);
-  if (!executor_.on_device()) {
+  if (executor_.on_device()) {
+    last_sweep_places_.resize_discarding(m);
+    last_sweep_listed_.resize_discarding(m / 32 + 1);
+    last_sweep_listed_.fill_zero();
+  } else {
     struck_contacts_.resize_discarding(m);
     struck_contacts_.fill_zero();
   }
@@ -173,6 +189,10 @@ void SoftStepSolver<Real>::resolve_impacts() {
   const StruckMarks struck{struck_.data(), struck_contacts_.data(), all_.view(colouring_.degrees()),
                            scene_.control};
   const ShockMarks shocks{driven_.data(), supported_.data()};
+  LastSweepLists last;
+  if (executor_.on_device())
+    last = {last_sweep_sizes_.data(), last_sweep_bodies_.data(), last_sweep_next_.data(),
+            last_sweep_places_.data(), last_sweep_listed_.data()};
   const auto with = [&]<bool with_box_obstacles, bool unequal_moments>() {
     using Sweeps = ImpactSweeps<Real, with_friction, with_box_obstacles, unequal_moments>;
     using Contacts = typename Sweeps::Contacts;
@@ -185,10 +205,11 @@ void SoftStepSolver<Real>::resolve_impacts() {
         needed,
         sleeping_.asleep(),
         scene_.control,
-        0};
-    // On a GPU, sweeps over contacts without barriers are faster. Most substeps need no more than these.
-    // Sweeps with barriers read less of contacts at rest, which matters where memory is the limit.
-    const int without_barriers = scene_.body_count > 200'000 ? 0 : 10;
+        0,
+        last};
+    // On a GPU, sweeps over contacts without barriers are faster. Sweeps with barriers read less of contacts
+    // at rest, which matters where memory is the limit.
+    const int without_barriers = scene_.body_count > 200'000 ? 0 : 3;
     if (executor_.on_device() && Contacts::sync_free_rounds > 0)
       for (; sweeps.first < without_barriers; ++sweeps.first) {
         const auto now = static_cast<std::uint8_t>(sweeps.first + 2);
@@ -208,7 +229,7 @@ void SoftStepSolver<Real>::resolve_impacts() {
     else if constexpr (!unequal_moments)
       with.template operator()<false, false>();
   });
-  executor_.run("bounce", 1, EndImpacts{impact_sweeps_.data(), struck, scene_.control});
+  executor_.run("bounce", 1, EndImpacts{impact_sweeps_.data(), last, struck, scene_.control});
 }
 
 /// Applies gravity, attractors, drag and warm starting. Solves the planes once.

@@ -133,7 +133,10 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<Vector3<Real>> uncoloured_friction_;      ///< N s
   Buffer<std::uint32_t> impact_sweeps_;            ///< see ImpactSweeps::needed
   Buffer<std::uint8_t> struck_, struck_contacts_;  ///< see StruckMarks
-  Buffer<std::uint8_t> driven_, supported_;        ///< see ShockMarks
+  /// See LastSweepLists; empty on the CPU.
+  Buffer<std::uint32_t> last_sweep_sizes_, last_sweep_bodies_, last_sweep_next_, last_sweep_places_,
+      last_sweep_listed_;
+  Buffer<std::uint8_t> driven_, supported_;  ///< see ShockMarks
   PlaneContacts<Real> planes_;
   RollingResistance<Real> rolling_;
   KinematicMotion<Real> kinematic_;
