@@ -65,10 +65,11 @@ struct LastSweepMemory {
   static constexpr std::uint32_t most_contacts = 40'000 / sizeof(ListedContact<Real>);
   ListedContact<Real> contacts[most_contacts];  ///< the first ones; the others are loaded from their places
   std::uint32_t begin[Colouring::colours + 1];  ///< of the colours
-  std::uint32_t bodies, next_bodies, places, lowest;  ///< numbers of list entries; lowest colour
+  std::uint32_t bodies, next_bodies, places;    ///< numbers of entries in the lists
+  std::uint32_t lowest;                         ///< colour, of find_colour()
 };
 
-/// The last sweeps, in one block. All threads call all functions.
+/// The last sweeps, in one block. All threads of the block call the functions with a barrier.
 template <class Sweeps>
 struct LastSweeps {
   using Real = typename Sweeps::Number;
