@@ -214,7 +214,7 @@ TEST_F(LargeWindow, ShowsThatItPreparesAndCloses) {
 TEST_F(LargeWindow, AnswersWhileBodiesArePreparedAndKeepsTheRunIfCancelled) {
   WindowDriver window({"box_collider", "--bodies", "2000", "--variant", "scaled", "--executor", "cpu"});
   const auto prepares = [](const Json& f) {
-    return f["notice"] == "preparing 6,000,000 bodies ...; Esc: cancel";
+    return f["last_notice"] == "preparing 6,000,000 bodies ...; Esc: cancel";
   };
   window.click("settings.bodies");
   window.hands({"key", "ctrl+a"});
@@ -228,7 +228,7 @@ TEST_F(LargeWindow, AnswersWhileBodiesArePreparedAndKeepsTheRunIfCancelled) {
   window.key("F1");
   window.key("Escape");
   ASSERT_TRUE(window.wait_for([](const Json& f) {
-    return f["notice"] == "cancelled: preparing 6,000,000 bodies";
+    return f["last_notice"] == "cancelled: preparing 6,000,000 bodies";
   })) << window.frame();
   EXPECT_EQ(window.frame()["bodies"], 2000);
   const std::int64_t step = window.frame()["step"];

@@ -60,7 +60,7 @@ TEST_F(Viewer, StopsWhereAConditionIsMet) {
   window.next_frame();  // lets the layout include the new line
   window.click("stop.save");
   ASSERT_TRUE(window.wait_for([](const Json& f) {
-    return f["notice"].get<std::string>().find("wrote captures/") != std::string::npos;
+    return f["last_notice"].get<std::string>().find("wrote captures/") != std::string::npos;
   }));
   EXPECT_TRUE(std::filesystem::exists(window.file("captures/before_000005.snapshot")));
   EXPECT_EQ(window.frame()["step"], 5);

@@ -15,13 +15,13 @@ namespace {
 
 /// The next file of changes.
 std::string written_changes(WindowDriver& window) {
-  const std::string before = window.frame()["notice"];
+  const std::string before = window.frame()["last_notice"];
   window.click("run.changes");
   EXPECT_TRUE(window.wait_for([&](const Json& f) {
-    const std::string notice = f["notice"];
+    const std::string notice = f["last_notice"];
     return notice != before && notice.starts_with("wrote captures/changes_");
   }));
-  return window.file(window.frame()["notice"].get<std::string>().substr(6));
+  return window.file(window.frame()["last_notice"].get<std::string>().substr(6));
 }
 
 /// The state hash of `collidoscope-headless run` with a changes file.

@@ -29,7 +29,7 @@ TEST_F(Viewer, EscapeStopsAMeasurementWithinItsStep) {
   window.move(640, 20);
   window.key("Escape");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["measuring_effects"] == false; }));
-  EXPECT_EQ(window.frame()["notice"], "measurement stopped");
+  EXPECT_EQ(window.frame()["last_notice"], "measurement stopped");
   EXPECT_TRUE(window.frame()["error"].is_null());
   window.key("s");
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["step"] == 3; }, 60)) << "the run continues";
@@ -123,9 +123,9 @@ TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
 
   window.click("run.changes");
   ASSERT_TRUE(window.wait_for(
-      [](const Json& f) { return f["notice"].get<std::string>().starts_with("wrote captures/changes_"); }));
+      [](const Json& f) { return f["last_notice"].get<std::string>().starts_with("wrote captures/changes_"); }));
   const std::string hash = window.frame()["state_hash"];
-  const std::string notice = window.frame()["notice"];
+  const std::string notice = window.frame()["last_notice"];
   const std::string file = window.file(notice.substr(std::string("wrote ").size()));
   const Outcome again =
       run_program(program_folder() / "collidoscope-headless",

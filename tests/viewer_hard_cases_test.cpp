@@ -52,7 +52,7 @@ TEST_F(Viewer, RunsHardCasesAndOpensThemWhereTheyFailed) {
   EXPECT_EQ(window.frame()["selection"], 1);
   EXPECT_EQ(window.frame()["solver"], "jacobi_split");
   EXPECT_EQ(window.frame()["precision"], "f64");
-  EXPECT_THAT(window.frame()["notice"].get<std::string>(), testing::HasSubstr("position"));
+  EXPECT_THAT(window.frame()["last_notice"].get<std::string>(), testing::HasSubstr("position"));
   // The run continues from there. A case opened now stays paused.
   window.move(640, 300);
   window.key("s");

@@ -23,7 +23,7 @@ class ViewerSettles : public Viewer {
   /// The presimulation step shown in the notice; -1 without one.
   static int settling_step(const Json& frame) {
     int step = -1;
-    std::sscanf(frame["notice"].get<std::string>().c_str(), "settling the bodies: step %d of", &step);
+    std::sscanf(frame["last_notice"].get<std::string>().c_str(), "settling the bodies: step %d of", &step);
     return step;
   }
   static bool waits(const Json& frame) { return settling_step(frame) >= 0; }
@@ -59,7 +59,7 @@ TEST_F(ViewerSettles, BesideTheRunThatThereIs) {
   ASSERT_TRUE(window.wait_for([&](const Json& f) { return settling_step(f) > activate; }));
   EXPECT_GT(window.frame()["step"], step);
   window.key("Escape");
-  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["notice"] == "settling cancelled"; }));
+  ASSERT_TRUE(window.wait_for([](const Json& f) { return f["last_notice"] == "settling cancelled"; }));
   window.next_frame();
   EXPECT_EQ(window.frame()["bodies"], 300);
   EXPECT_FALSE(waits(window.next_frame()));

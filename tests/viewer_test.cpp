@@ -192,7 +192,7 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   window.click("fold.right");
   window.click("timing.csv");
   EXPECT_TRUE(window.wait_for(
-      [](const Json& f) { return f["notice"].get<std::string>().starts_with("wrote captures/history_"); }));
+      [](const Json& f) { return f["last_notice"].get<std::string>().starts_with("wrote captures/history_"); }));
   window.click("panel.settings");  // folded, to make room
   window.click("view.light");
   EXPECT_TRUE(window.wait_for([](const Json& f) { return f["light"] == true; }));

@@ -172,6 +172,7 @@ struct Workspace {
   bool columns_requested = false;   ///< request: choose the columns of the file again
   std::vector<std::string> errors;  ///< shown until dismissed
   std::string notice;               ///< message about the last action, shown for some seconds
+  std::string last_notice;          ///< the newest notice, also after it has disappeared
 
   /// Results of the last draw: area of the 3D view, and the visible enabled widgets by name.
   ScreenRect scene_view;

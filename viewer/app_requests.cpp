@@ -18,7 +18,7 @@
 namespace collidoscope {
 
 void App::show_notice(const std::string& notice) {
-  workspace_.notice = notice;
+  workspace_.notice = workspace_.last_notice = notice;
   notice_since_ = Clock::now();
 }
 

@@ -183,7 +183,8 @@ void Automation::write(const Frame& frame, const Workspace& workspace, const Wor
                {"contacts", view.stats.touching},
                {"pairs_note", view.pairs_note},
                {"faulty_pairs", view.faulty_pairs.size()},
-               {"notice", workspace.notice}};
+               {"notice", workspace.notice},
+               {"last_notice", workspace.last_notice}};  // tests on a busy machine may miss the notice itself
   for_each_setting([&]<auto member>(const Field<member>& setting) {
     using Owner = typename Field<member>::Owner;
     const auto& value = owner_in<Owner>(s).*member;
