@@ -122,8 +122,9 @@ TEST_F(Viewer, SwitchesEffectsMeasuresThemAndWritesItAllDown) {
   EXPECT_EQ(window.frame()["changes"], 5);
 
   window.click("run.changes");
-  ASSERT_TRUE(window.wait_for(
-      [](const Json& f) { return f["last_notice"].get<std::string>().starts_with("wrote captures/changes_"); }));
+  ASSERT_TRUE(window.wait_for([](const Json& f) {
+    return f["last_notice"].get<std::string>().starts_with("wrote captures/changes_");
+  }));
   const std::string hash = window.frame()["state_hash"];
   const std::string notice = window.frame()["last_notice"];
   const std::string file = window.file(notice.substr(std::string("wrote ").size()));

@@ -80,13 +80,14 @@ TEST_F(ViewerFiles, OfPluginsAreLoadedAfterAQuestion) {
   ASSERT_TRUE(window.wait_for([](const Json& f) { return f["broad_phase"] == "sweep_and_prune"; }));
   ASSERT_TRUE(
       window.wait_for([](const Json& f) { return f["pairs_note"] == "plug-in, pairs not compared"; }));
-  EXPECT_THAT(window.frame()["last_notice"].get<std::string>(), HasSubstr("tests passed; the run is saved in "));
+  EXPECT_THAT(window.frame()["last_notice"].get<std::string>(),
+              HasSubstr("tests passed; the run is saved in "));
 
   // A recording has the run, but does not name the library.
   window.key("s");
   window.key("ctrl+s");
-  ASSERT_TRUE(
-      window.wait_for([](const Json& f) { return f["last_notice"].get<std::string>().starts_with("wrote "); }));
+  ASSERT_TRUE(window.wait_for(
+      [](const Json& f) { return f["last_notice"].get<std::string>().starts_with("wrote "); }));
   std::string recording = window.frame()["last_notice"];
   recording.erase(0, std::string("wrote ").size());
   const Outcome replay = run_headless({"replay", window.file(recording), "--executor", "cpu"});

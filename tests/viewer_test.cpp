@@ -191,8 +191,9 @@ TEST_F(Viewer, ObeysMouseAndKeys) {
   ASSERT_TRUE(window.wait_for([](const Json& f) { return !f["widgets"].contains("panel.timing"); }));
   window.click("fold.right");
   window.click("timing.csv");
-  EXPECT_TRUE(window.wait_for(
-      [](const Json& f) { return f["last_notice"].get<std::string>().starts_with("wrote captures/history_"); }));
+  EXPECT_TRUE(window.wait_for([](const Json& f) {
+    return f["last_notice"].get<std::string>().starts_with("wrote captures/history_");
+  }));
   window.click("panel.settings");  // folded, to make room
   window.click("view.light");
   EXPECT_TRUE(window.wait_for([](const Json& f) { return f["light"] == true; }));

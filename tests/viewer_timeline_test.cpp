@@ -197,14 +197,16 @@ TEST_F(ViewerTimeline, WritesItsRunAndOpensItAgain) {
     window.key("bracketleft");
     ASSERT_TRUE(at(window, 60));
     window.key("bracketleft");
-    ASSERT_TRUE(window.wait_for([](const Json& f) { return f["last_notice"] == "no mark before this state"; }));
+    ASSERT_TRUE(
+        window.wait_for([](const Json& f) { return f["last_notice"] == "no mark before this state"; }));
     window.key("shift+s");
     ASSERT_TRUE(at(window, 59));
     window.key("bracketright");
     ASSERT_TRUE(at(window, 60));
     window.key("ctrl+s");
     ASSERT_TRUE(window.wait_for([](const Json& f) {
-      return f["last_notice"].is_string() && f["notice"].get<std::string>().starts_with("wrote captures/run_");
+      return f["last_notice"].is_string() &&
+             f["last_notice"].get<std::string>().starts_with("wrote captures/run_");
     }));
     EXPECT_EQ(window.frame()["last_notice"], "wrote captures/run_000065.recording");
     std::filesystem::copy(window.file("captures/run_000065.recording"), folder / "run.recording");
