@@ -103,6 +103,20 @@ SIM_HD inline std::uint32_t atomic_add_aggregated(std::uint32_t* counter, std::u
 #endif
 }
 
+/// Adds 1 to a contended counter and returns the previous value. On a GPU, the active threads of a warp with
+/// the same counter share one atomic.
+SIM_HD inline std::uint32_t atomic_count_labelled(std::uint32_t* counter) {
+#if defined(__CUDA_ARCH__)
+  const auto group = cooperative_groups::labeled_partition(cooperative_groups::coalesced_threads(),
+                                                           reinterpret_cast<unsigned long long>(counter));
+  std::uint32_t first = 0;
+  if (group.thread_rank() == 0) first = atomicAdd(counter, static_cast<unsigned>(group.size()));
+  return group.shfl(first, 0) + static_cast<std::uint32_t>(group.thread_rank());
+#else
+  return atomic_add(counter, std::uint32_t{1});
+#endif
+}
+
 /// Atomic exchange with acquire-release order. Returns the previous value.
 template <class T>
 SIM_HD T atomic_exchange(T* target, std::type_identity_t<T> value) {

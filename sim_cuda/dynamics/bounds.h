@@ -33,28 +33,32 @@ struct BodyBounds {
   }
 };
 
-/// Bounding box of the body's motion during `time`: linear motion along its velocity, plus
-/// `acceleration_margin` in all directions. The margin covers accelerations up to `acceleration_margin` /
-/// time^2. With `anywhere`, the box covers motion in any direction at the current speed.
+/// Bounding box of the body's motion during `time`: linear motion along its velocity, or a rebound at
+/// `rebound` times the velocity, of the enlarged body, plus `acceleration_margin` in all directions. The
+/// margin covers accelerations up to `acceleration_margin` / time^2. With `anywhere`, the box covers motion
+/// in any direction at the current speed.
 template <class Real>
 struct SweptBounds {
   const Vector3<Real>* position;
   const PackedVector3<Real>* velocity;
   const Real* radius;
+  Real radius_factor;        ///< 1 or more
   Real time;                 ///< s
   Real acceleration_margin;  ///< m
+  Real rebound;              ///< largest coefficient of restitution, 0 to 1
   Aabb* boxes;
   bool anywhere = false;
 
   SIM_HD void operator()(int body) const {
     const Vector3<Real> x = position[body], displacement = time * velocity[body].load();
-    const Real r = radius[body] + acceleration_margin;
+    const Real r = radius_factor * radius[body] + acceleration_margin;
     Vector3<Real> low, high;
     using std::sqrt;
     const Real reach = anywhere ? r + sqrt(displacement.dot(displacement)) : Real(0);
     for (int k = 0; k < 3; ++k) {
-      low[k] = anywhere ? x[k] - reach : x[k] - r + min_of(displacement[k], Real(0));
-      high[k] = anywhere ? x[k] + reach : x[k] + r + max_of(displacement[k], Real(0));
+      const Real ahead = displacement[k], back = -rebound * ahead;
+      low[k] = anywhere ? x[k] - reach : x[k] - r + min_of(ahead, back);
+      high[k] = anywhere ? x[k] + reach : x[k] + r + max_of(ahead, back);
     }
     boxes[body] = box_around<Real>(low, high);
   }

@@ -24,6 +24,9 @@ enum class MotionBound {
   any_direction,     ///< any direction at the current speed; for continuous collision
 };
 
+/// Gap of bodies that nearly touch, over the sum of their radii.
+inline constexpr double nearly_touching = 1e-3;
+
 /// How far contacts are predicted, in addition to touching pairs.
 template <class Real>
 struct SpeculativeMargin {
@@ -40,7 +43,8 @@ struct SpeculativeMargin {
 /// Such a support removes the component of g normal to a plane, so each acceleration lies in the ball with
 /// diameter g. The relative acceleration is therefore at most |g|, and the gap shrinks by at most time |v_b -
 /// v_a| + |g| time^2. (The factor of semi-implicit Euler, K (K + 1) / (2 K^2), is at most 1.) Attractors add
-/// at most their largest acceleration to each body.
+/// at most their largest acceleration to each body. Bodies that nearly touch have a contact even at rest, so
+/// that an impact on one of them acts on the others in the same substep.
 ///
 /// An impact may stop one of two bodies that move side by side, or reverse its velocity v. The other one then
 /// approaches at up to (1 + e) v. So their relative displacement may also change by s v, where v is the mean
@@ -54,16 +58,17 @@ SIM_HD bool spheres_will_touch(const Vector3<Real>& a, Real radius_a, const Vect
                                const Vector3<Real>& b, Real radius_b, const Vector3<Real>& velocity_b,
                                const SpeculativeMargin<Real>& margin) {
   using std::sqrt;
+  const Real near = Real(nearly_touching) * (radius_a + radius_b);
   if (margin.bound == MotionBound::any_direction) {
     const Real speeds = sqrt(velocity_a.dot(velocity_a)) + sqrt(velocity_b.dot(velocity_b));
     return spheres_touch<Real>(a, radius_a, b,
-                               radius_b + (margin.time * speeds + 2 * margin.acceleration_margin));
+                               radius_b + (margin.time * speeds + 2 * margin.acceleration_margin + near));
   }
   const Vector3<Real> relative_velocity = velocity_b - velocity_a;
   Real squared = relative_velocity.dot(relative_velocity);
   if (margin.bound == MotionBound::linear_with_drag)
     squared = max_of(squared, max_of(velocity_a.dot(velocity_a), velocity_b.dot(velocity_b)));
-  const Real distance = margin.time * sqrt(squared) + margin.acceleration_margin;
+  const Real distance = margin.time * sqrt(squared) + margin.acceleration_margin + near;
   const Vector3<Real> d = b - a, way = (margin.time * (1 + margin.rebound) / 2) * (velocity_a + velocity_b);
   const Real along = d.dot(way), length = way.dot(way);
   const Real share = length > 0 ? min_of(max_of(along / length, Real(-1)), Real(1)) : Real(0);

@@ -81,10 +81,10 @@ class TypedPipeline final : public Pipeline {
       executor_.run("bounds", body_count_,
                     BodyBounds<Real>{bodies.position.data(), bodies.radius.data(), boxes_.data()});
     else
-      executor_.run(
-          "bounds", body_count_,
-          SweptBounds<Real>{bodies.position.data(), margin.velocity, bodies.radius.data(), margin.time,
-                            margin.acceleration_margin, boxes_.data(), effects_.continuous_collision});
+      executor_.run("bounds", body_count_,
+                    SweptBounds<Real>{bodies.position.data(), margin.velocity, bodies.radius.data(),
+                                      Real(1 + nearly_touching), margin.time, margin.acceleration_margin,
+                                      margin.rebound, boxes_.data(), effects_.continuous_collision});
   }
 
   /// Extent of all bodies: the scene's box, or a reduction over the body boxes.

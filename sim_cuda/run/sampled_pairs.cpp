@@ -66,14 +66,15 @@ class Sample {
   void find_box(std::size_t body) {
     const Vector3d there = displacement(body);
     const bool anywhere = spheres_.moves_anywhere();
-    const double r = spheres_.radius[body] + spheres_.margin.acceleration_margin,
+    const double r = (1 + nearly_touching) * spheres_.radius[body] + spheres_.margin.acceleration_margin,
                  reach = anywhere ? there.norm() : 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double x = spheres_.position[body][axis];
-      const double back = anywhere ? -reach : std::min(there[axis], 0.0);
-      const double ahead = anywhere ? reach : std::max(there[axis], 0.0);
-      low_[static_cast<std::size_t>(axis)][body] = static_cast<float>(x - r + back);
-      high_[static_cast<std::size_t>(axis)][body] = static_cast<float>(x + r + ahead);
+      const double rebound = -spheres_.margin.rebound * there[axis];
+      const double least = anywhere ? -reach : std::min(there[axis], rebound);
+      const double most = anywhere ? reach : std::max(there[axis], rebound);
+      low_[static_cast<std::size_t>(axis)][body] = static_cast<float>(x - r + least);
+      high_[static_cast<std::size_t>(axis)][body] = static_cast<float>(x + r + most);
     }
   }
   /// A pseudo-random body from each of `samples_` equal ranges of ids.

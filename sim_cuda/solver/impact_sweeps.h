@@ -159,13 +159,14 @@ struct FirstRound {
 /// Ends the impacts of a substep: counts a substep that needed more sweeps, and clears the flags and
 /// counters.
 struct EndImpacts {
-  std::uint32_t* needed;
+  std::uint32_t* needed;  ///< see ImpactSweeps; then a flag that stays: a body was fast or had an impact
   LastSweepLists last;
   StruckMarks struck;
   StepControl* control;
   SIM_HD void operator()(int) const {
     struck.clear_contacts();
     if (needed[max_impact_sweeps] != 0) ++control->bounce_caps;
+    needed[max_impact_sweeps + 1] = needed[0];
     for (int sweep = 0; sweep <= max_impact_sweeps; ++sweep) needed[sweep] = 0;
     last.clear();
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "sim_cuda/dynamics/awake.h"
+#include "sim_cuda/solver/chain_passes.h"
 #include "sim_cuda/solver/impact_sweeps.h"
 #include "sim_cuda/solver/soft_begin.h"
 #include "sim_cuda/solver/soft_iteration.h"
@@ -19,7 +20,8 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
     : executor_(executor),
       scene_(scene),
       h_(scene.time_step / static_cast<Real>(scene.substeps)),
-      slides_(!scene.effects.friction && (scene.effects.gravity || scene.effects.attractor)),
+      pulled_(scene.effects.gravity || scene.effects.attractor),
+      slides_(pulled_ && !scene.effects.friction),
       passes_((coloured ? 1 : mass_split_passes) * (slides_ ? frictionless_passes : 1)),
       softness_(Softness<Real>::of(h_, scene.iterations * passes_, scene.limits_recovery(),
                                    scene.effects.friction)),
@@ -27,6 +29,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       coloured_(coloured),
       uncoloured_degrees_(executor),
       mass_split_degrees_(executor),
+      chains_(executor),
       all_(executor),
       uncoloured_(executor),
       split_(executor),
@@ -63,7 +66,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       sleeping_(executor),
       residuals_(executor),
       cache_(executor, scene.body_count, scene.effects.friction) {
-  impact_sweeps_.upload(std::vector<std::uint32_t>(max_impact_sweeps + 1, 0));
+  impact_sweeps_.upload(std::vector<std::uint32_t>(max_impact_sweeps + 2, 0));
   if (executor.on_device()) {
     last_sweep_sizes_.upload(std::vector<std::uint32_t>(max_impact_sweeps, 0));
     last_sweep_bodies_.resize_discarding(static_cast<std::size_t>(scene.body_count));
@@ -95,6 +98,7 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   contact_capacity_ = contact_capacity;
   const auto m = static_cast<std::size_t>(contact_capacity);
   colouring_.reserve(scene_.body_count, contact_capacity);
+  if (pulled_) chains_.reserve(scene_.body_count, contact_capacity);
   all_.reserve(scene_.body_count, contact_capacity);
   uncoloured_degrees_.reserve(scene_.body_count, contact_capacity);
   uncoloured_.reserve(scene_.body_count, contact_capacity);
@@ -254,9 +258,11 @@ void SoftStepSolver<Real>::solve(int substep) {
   for (int iteration = 1; iteration <= scene_.iterations; ++iteration) {
     if (scene_.effects.joints) scene_.joints->solve();
     for (int pass = 1; pass <= passes_; ++pass) {
-      const bool last = iteration == scene_.iterations && pass == passes_;
-      iterate("solve", Solve<Real>{softness_, closing_gap(scene_.acceleration_margin, scene_.substeps),
-                                   iteration == 1 && pass == 1, last});
+      const bool first = iteration == 1 && pass == 1,
+                 last = iteration == scene_.iterations && pass == passes_;
+      const Real gap = closing_gap(scene_.acceleration_margin, scene_.substeps);
+      if (first) iterate_chains<with_friction>("solve", Solve<Real>{softness_, gap, false, false}, false);
+      iterate("solve", Solve<Real>{softness_, gap, first, last});
       iterate_walls<with_friction>("solve", false);
     }
     record_iteration<with_friction>(substep, true, iteration);
@@ -290,6 +296,9 @@ void SoftStepSolver<Real>::relax(int substep) {
     if (scene_.effects.joints) scene_.joints->relax(iteration == 1, energy_guard_.moved_velocity());
     for (int pass = 1; pass <= passes_; ++pass) {
       const bool last = iteration == scene_.iterations && pass == passes_;
+      if (iteration == 1 && pass == 1)
+        iterate_chains<with_friction>("relax", Relax<Real, with_friction, with_friction>{softness_, false},
+                                      true);
       iterate_walls<with_friction>("relax", true);
       with_moments<with_friction>([&]<bool unequal_moments>() {
         iterate("relax", Relax<Real, with_friction, unequal_moments>{softness_, last});
@@ -335,6 +344,7 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
                             cache_.impulse(), cache_.friction(), colours, place_of_.data(),
                             ordered_contacts_.data(), bodies_of_.data(), dependency_counters_.data(),
                             soft_.data(), friction_sums_.data(), contact_inertia_.data(), sums_.data()});
+  if (pulled_) chains_.list(ordered_contacts_.data(), colouring_, control, sleeping_.asleep());
   const ContactSet all{contacts.bodies, nullptr, nullptr, &control->contacts};
   all_.list("prepare", all, colouring_.degrees(), place_of_.data());
   const ContactSet uncoloured{contacts.bodies, colours.order, colours.begin + Colouring::colours,
@@ -404,6 +414,25 @@ void SoftStepSolver<Real>::iterate(const char* stage, const Act& act) {
   executor_.run_rounds(
       stage, Iteration<Real, Act>::rounds, std::min(contact_capacity_, scene_.body_count / 2),
       Iteration<Real, Act>{ordered_contacts<Act::has_friction>(coloured_), scene_.bodies, act});
+}
+
+/// Passes of `act` over chain contacts and the planes and boxes of their bodies, timed as `stage`.
+template <class Real>
+template <bool with_friction, class Act>
+void SoftStepSolver<Real>::iterate_chains(const char* stage, const Act& act, bool relaxing) {
+  if (!pulled_) return;
+  // One version for all walls and moments of inertia: each takes long to compile.
+  using Walls = SolveWalls<Real, with_friction, true, with_friction>;
+  using Passes = ChainPasses<Real, Act, Walls>;
+  const Walls walls{planes_.template view<with_friction, true>(softness_.inverse_h), relaxing,
+                    scene_.control};
+  executor_.run_rounds(stage, Passes::rounds, std::min(contact_capacity_, scene_.body_count / 2),
+                       Passes{{ordered_contacts<Act::has_friction>(true), scene_.bodies, {act}},
+                              walls,
+                              chains_.view(colouring_),
+                              struck_.data(),
+                              impact_sweeps_.data() + max_impact_sweeps + 1,
+                              relaxing});
 }
 
 /// Records the residual after an iteration of solve (`soft`) or relax. `iteration` 0: before the first one.

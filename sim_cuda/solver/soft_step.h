@@ -16,6 +16,7 @@
 
 #include "sim_cuda/core/buffer.h"
 #include "sim_cuda/dynamics/continuous_collision.h"
+#include "sim_cuda/solver/chain_contacts.h"
 #include "sim_cuda/solver/colouring.h"
 #include "sim_cuda/solver/contact_cache.h"
 #include "sim_cuda/solver/contact_impulses.h"
@@ -83,6 +84,8 @@ class SoftStepSolver final : public ContactSolver<Real> {
   void apply_forces();
   template <class Act>
   void iterate(const char* stage, const Act& act);
+  template <bool with_friction, class Act>
+  void iterate_chains(const char* stage, const Act& act, bool relaxing);
   template <bool with_friction, class Launch>
   void dispatch_walls(const Launch& launch);
   /// Calls `launch` with true if the scene has friction and unequal moments of inertia.
@@ -108,13 +111,15 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Executor& executor_;
   const SolverScene<Real> scene_;
   const Real h_;       ///< substep, s
-  const bool slides_;  ///< with gravity or attractors, without friction
+  const bool pulled_;  ///< with gravity or attractors
+  const bool slides_;  ///< pulled, without friction
   const int passes_;   ///< over all contacts per iteration
   const Softness<Real> softness_;
   std::int64_t contact_capacity_ = 0;
   Colouring colouring_;
   const bool coloured_;
   ContactDegrees uncoloured_degrees_, mass_split_degrees_;
+  ChainContacts chains_;
   ContactsByBody all_;         ///< all contacts
   ContactsByBody uncoloured_;  ///< contacts without a colour
   ContactsByBody split_;       ///< `jacobi_split`: the mass-split set of the iterations, all awake contacts

@@ -14,6 +14,11 @@ struct SolveWalls {
   SoftWalls<Real, with_friction, with_box_obstacles> walls;
   bool relaxing;
   const StepControl* control;
+  SIM_HD int count() const { return walls.count(); }
+  /// False only for bodies away from all planes and boxes.
+  SIM_HD bool is_near(int id) const {
+    return walls.boxes.view.count > 0 || walls.meets_plane(walls.load_motion(id), false);
+  }
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
     typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load_motion(id);

@@ -96,7 +96,12 @@ struct SoftWalls {
   SIM_HD bool may_touch(const Body& body, bool relaxing) const {
     if constexpr (with_box_obstacles) return true;
     if (plane_count > plane_mask_bits || body.active_mask != 0) return true;
-    if (is_clear(body, relaxing ? Real(0) : clear.time)) return false;
+    return meets_plane(body, relaxing);
+  }
+  /// True if the body overlaps a plane, or reaches it in the substep at its velocity. With `relaxing`, only if
+  /// it has reached it.
+  SIM_HD bool meets_plane(const Body& body, bool relaxing) const {
+    if (clear.contains(body.x, body.radius, (relaxing ? Real(0) : clear.time) * body.v)) return false;
     for (int p = 0; p < plane_count; ++p) {
       const Vector3<Real> normal = planes[p].normal;
       const Real gap = normal.dot(body.x) - planes[p].offset - body.radius;
