@@ -149,11 +149,12 @@ TEST_P(EnergyBounds, PushWorkOfTallPiles) {
   check(2, 5, 0.001, tall_pile,
         {.value = &EnergyCourse::push_work, .solvers = {Solver::jacobi_split}, .rates = {60}});
 }
-/// A limit of soft_step (solver/README.md): of 2,800 columns, 500 exceed 0.01; the largest value is 0.11.
+/// A limit of soft_step (solver/README.md): of 2,800 columns, 11 exceed 0.01; the largest value is 0.047.
+/// With jacobi_split, 1 of 1,000; 0.034.
 TEST_P(EnergyBounds, PushWorkOfColumns) {
-  check(
-      30, 4, 0.01, falling_column,
-      {.value = &EnergyCourse::push_work, .solvers = {Solver::soft_step}, .share_above = 0.25, .most = 0.12});
+  for (const Solver solver : {Solver::soft_step, Solver::jacobi_split})
+    check(30, 4, 0.01, falling_column,
+          {.value = &EnergyCourse::push_work, .solvers = {solver}, .share_above = 0.02, .most = 0.06});
 }
 /// In 4,000 runs with each solver, the largest value is 0.009.
 TEST_P(EnergyBounds, PushWorkWithoutInitialOverlapInFourIterations) {

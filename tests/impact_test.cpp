@@ -59,6 +59,20 @@ TEST_P(Impacts, ARackKeepsItsEnergy) {
     }
 }
 
+/// The impact passes through all balls in its substep, so that no ball moves into another one.
+TEST_P(Impacts, ARackDoesNotOverlap) {
+  for (const double gap : {0.0, 5e-5}) {
+    SCOPED_TRACE(std::to_string(gap) + " m");
+    for_each_setting(billiard_rack(gap, 1), [&](World& world) {
+      const double start = world.measure().max_penetration;
+      for (int k = 0; k < 30; ++k) {
+        world.step();
+        ASSERT_LE(world.measure().max_penetration, start + 1e-7) << "step " << world.steps();
+      }
+    });
+  }
+}
+
 TEST_P(Impacts, ACradleOfTouchingBallsPassesOnItsSpeeds) {
   for (const int incoming : {1, 2})
     for_each_setting(row_of_balls(5, incoming), [&](World& world) {
