@@ -73,8 +73,9 @@ inline Scene ball_cluster(Uniform& uniform, double restitution, double most_mass
 }
 
 /// A cue ball at 8 m/s and 15 balls in a triangle with gaps of `gap` m.
-inline Scene billiard_rack(double gap, double restitution) {
+inline Scene billiard_rack(double gap, double restitution, int rate = 30) {
   Scene scene = impact_space(restitution);
+  scene.physics.time_step = TimeStep::per_second(rate);
   const double r = 0.028575, d = 2 * r + gap;
   scene.bodies.push_back(ball(0.17, r, Vector3d(-0.3, 0, 0), Vector3d(8, 0, 0)));
   for (int row = 0; row < 5; ++row)

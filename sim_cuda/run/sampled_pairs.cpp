@@ -66,7 +66,9 @@ class Sample {
   void find_box(std::size_t body) {
     const Vector3d there = displacement(body);
     const bool anywhere = spheres_.moves_anywhere();
-    const double r = (1 + nearly_touching) * spheres_.radius[body] + spheres_.margin.acceleration_margin,
+    const bool predicted = spheres_.margin.bound != MotionBound::none;
+    const double r = (predicted ? 1 + nearly_touching : 1) * spheres_.radius[body] +
+                     spheres_.margin.acceleration_margin,
                  reach = anywhere ? there.norm() : 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double x = spheres_.position[body][axis];
@@ -102,6 +104,9 @@ class Sample {
     return hits;
   }
   bool touch(std::size_t a, std::size_t b) const {
+    if (spheres_.margin.bound == MotionBound::none)
+      return spheres_touch<double>(spheres_.position[a], spheres_.radius[a], spheres_.position[b],
+                                   spheres_.radius[b]);
     return spheres_will_touch<double>(spheres_.position[a], spheres_.radius[a], velocity(a),
                                       spheres_.position[b], spheres_.radius[b], velocity(b), spheres_.margin);
   }

@@ -20,8 +20,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
     : executor_(executor),
       scene_(scene),
       h_(scene.time_step / static_cast<Real>(scene.substeps)),
-      pulled_(scene.effects.gravity || scene.effects.attractor),
-      slides_(pulled_ && !scene.effects.friction),
+      slides_(!scene.effects.friction && (scene.effects.gravity || scene.effects.attractor)),
       passes_((coloured ? 1 : mass_split_passes) * (slides_ ? frictionless_passes : 1)),
       softness_(Softness<Real>::of(h_, scene.iterations * passes_, scene.limits_recovery(),
                                    scene.effects.friction)),
@@ -98,7 +97,7 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   contact_capacity_ = contact_capacity;
   const auto m = static_cast<std::size_t>(contact_capacity);
   colouring_.reserve(scene_.body_count, contact_capacity);
-  if (pulled_) chains_.reserve(scene_.body_count, contact_capacity);
+  if (scene_.limits_recovery()) chains_.reserve(scene_.body_count, contact_capacity);
   all_.reserve(scene_.body_count, contact_capacity);
   uncoloured_degrees_.reserve(scene_.body_count, contact_capacity);
   uncoloured_.reserve(scene_.body_count, contact_capacity);
@@ -297,8 +296,7 @@ void SoftStepSolver<Real>::relax(int substep) {
     for (int pass = 1; pass <= passes_; ++pass) {
       const bool last = iteration == scene_.iterations && pass == passes_;
       if (iteration == 1 && pass == 1)
-        iterate_chains<with_friction>("relax", Relax<Real, with_friction, with_friction>{softness_, false},
-                                      true);
+        iterate_chains<with_friction>("relax", Relax<Real, with_friction, false>{softness_, false}, true);
       iterate_walls<with_friction>("relax", true);
       with_moments<with_friction>([&]<bool unequal_moments>() {
         iterate("relax", Relax<Real, with_friction, unequal_moments>{softness_, last});
@@ -344,7 +342,8 @@ void SoftStepSolver<Real>::prepare(const ContactView<Real>& contacts) {
                             cache_.impulse(), cache_.friction(), colours, place_of_.data(),
                             ordered_contacts_.data(), bodies_of_.data(), dependency_counters_.data(),
                             soft_.data(), friction_sums_.data(), contact_inertia_.data(), sums_.data()});
-  if (pulled_) chains_.list(ordered_contacts_.data(), colouring_, control, sleeping_.asleep());
+  if (scene_.limits_recovery())
+    chains_.list(ordered_contacts_.data(), colouring_, control, sleeping_.asleep());
   const ContactSet all{contacts.bodies, nullptr, nullptr, &control->contacts};
   all_.list("prepare", all, colouring_.degrees(), place_of_.data());
   const ContactSet uncoloured{contacts.bodies, colours.order, colours.begin + Colouring::colours,
@@ -420,9 +419,9 @@ void SoftStepSolver<Real>::iterate(const char* stage, const Act& act) {
 template <class Real>
 template <bool with_friction, class Act>
 void SoftStepSolver<Real>::iterate_chains(const char* stage, const Act& act, bool relaxing) {
-  if (!pulled_) return;
-  // One version for all walls and moments of inertia: each takes long to compile.
-  using Walls = SolveWalls<Real, with_friction, true, with_friction>;
+  if (!scene_.limits_recovery()) return;
+  using Walls =
+      SolveWalls<Real, with_friction, true, false>;  // for all walls: a version takes long to compile
   using Passes = ChainPasses<Real, Act, Walls>;
   const Walls walls{planes_.template view<with_friction, true>(softness_.inverse_h), relaxing,
                     scene_.control};

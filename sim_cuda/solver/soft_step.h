@@ -111,8 +111,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Executor& executor_;
   const SolverScene<Real> scene_;
   const Real h_;       ///< substep, s
-  const bool pulled_;  ///< with gravity or attractors
-  const bool slides_;  ///< pulled, without friction
+  const bool slides_;  ///< with gravity or attractors, without friction
   const int passes_;   ///< over all contacts per iteration
   const Softness<Real> softness_;
   std::int64_t contact_capacity_ = 0;
