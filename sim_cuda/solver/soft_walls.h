@@ -98,8 +98,8 @@ struct SoftWalls {
     if (plane_count > plane_mask_bits || body.active_mask != 0) return true;
     return meets_plane(body, relaxing);
   }
-  /// True if the body overlaps a plane, or reaches it in the substep at its velocity. With `relaxing`, only if
-  /// it has reached it.
+  /// True if the body overlaps a plane, or reaches it in the substep at its velocity. With `relaxing`, only
+  /// if it has reached it.
   SIM_HD bool meets_plane(const Body& body, bool relaxing) const {
     if (clear.contains(body.x, body.radius, (relaxing ? Real(0) : clear.time) * body.v)) return false;
     for (int p = 0; p < plane_count; ++p) {
