@@ -19,8 +19,8 @@ struct ChainView {
   std::uint32_t* bodies;         ///< bodies with few contacts
   const std::uint32_t* degrees;  ///< contacts by body
 
-  /// Most contacts of a body in a chain. Contacts that are only predicted count. In a pile of 5,000 that falls,
-  /// a pass visits 1.4 % of the contacts; with 4, 4.6 %.
+  /// Most contacts of a body in a chain. Contacts that are only predicted count. In a pile of 5,000 that
+  /// falls, a pass visits 1.4 % of the contacts; with 4, 4.6 %.
   static constexpr std::uint32_t most_contacts = 3;
   SIM_HD bool has_few_contacts(std::uint32_t body) const { return degrees[body] <= most_contacts; }
 };

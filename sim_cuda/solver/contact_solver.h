@@ -59,8 +59,8 @@ struct SolverScene {
 
   /// Number of static surfaces: planes, then boxes.
   int surfaces() const { return plane_count + boxes.count; }
-  /// True if contacts keep overlap (Softness), chain contacts have more passes (chain_passes.h), and the energy
-  /// guard reduces loads (energy_guard.h).
+  /// True if contacts keep overlap (Softness), chain contacts have more passes (chain_passes.h), and the
+  /// energy guard reduces loads (energy_guard.h).
   bool limits_recovery() const {
     return (effects.gravity || effects.attractor) && !(effects.friction && unequal_moments);
   }
