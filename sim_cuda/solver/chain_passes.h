@@ -18,32 +18,11 @@ namespace collidoscope {
 /// An act of an Iteration whose impulses change by a multiple (successive over-relaxation): one such pass
 /// does about as much as two. A pass without it must follow.
 template <class Act>
-struct OverRelaxed {
+struct OverRelaxed : Act {
   static constexpr double factor = 1.7;
-  static constexpr bool has_friction = Act::has_friction;
-  Act act;
-
-  template <class Contact, class Motions>
-  SIM_HD auto solve_normal(Contact& contact, const Motions& motions) const {
-    const auto change = act.solve_normal(contact, motions);
-    return contact.extend(change, static_cast<decltype(change)>(factor));
-  }
-  template <class Contact, class Friction, class Vector, class Mass>
-  SIM_HD Vector solve_tangent(const Contact& contact, Friction& friction, const Vector& slip,
-                              const Mass& mass) const {
-    return act.solve_tangent(contact, friction, slip, mass);
-  }
-  template <class Contact, class Friction, class Number>
-  SIM_HD bool has_tangent(const Contact& contact, const Friction& friction, Number change) const {
-    return act.has_tangent(contact, friction, change);
-  }
-  template <class Contact, class Friction>
-  SIM_HD bool finish(Contact& contact, Friction& friction) const {
-    return act.finish(contact, friction);
-  }
-  template <class Contact>
-  SIM_HD bool changes_sums(const Contact& contact, bool acted) const {
-    return act.changes_sums(contact, acted);
+  template <class Real>
+  SIM_HD Real solve_normal(SoftContact<Real>& contact, const Motions<Real>& motions) const {
+    return contact.extend(Act::solve_normal(contact, motions), Real(factor));
   }
 };
 

@@ -72,7 +72,7 @@ struct BeginSubstep {
       body.v += body.inverse_mass * impulses.sum[0];
       if constexpr (with_friction) body.angular.apply_angular_impulse(impulses.sum[1]);
     }
-    if (!walls.is_clear(body, walls.clear.time)) walls.solve(id, body, false, pull);
+    if (!walls.is_clear(body)) walls.solve(id, body, false, pull);
     body.velocity_changed = true;
     walls.store(id, body);
   }

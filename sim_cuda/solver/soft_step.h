@@ -118,7 +118,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Colouring colouring_;
   const bool coloured_;
   ContactDegrees uncoloured_degrees_, mass_split_degrees_;
-  ChainContacts chains_;
+  ChainContacts chains_;       ///< empty unless SolverScene::limits_recovery()
   ContactsByBody all_;         ///< all contacts
   ContactsByBody uncoloured_;  ///< contacts without a colour
   ContactsByBody split_;       ///< `jacobi_split`: the mass-split set of the iterations, all awake contacts

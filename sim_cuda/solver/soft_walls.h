@@ -88,9 +88,10 @@ struct SoftWalls {
     }
     if (still_active != body.active_mask) active_mask[id] = still_active;
   }
-  /// True only if no surface acts on the body when it moves for `time` s.
-  SIM_HD bool is_clear(const Body& body, Real time) const {
-    return !with_box_obstacles && body.active_mask == 0 && clear.contains(body.x, body.radius, time * body.v);
+  /// True only if no surface acts on the body in the substep.
+  SIM_HD bool is_clear(const Body& body) const {
+    return !with_box_obstacles && body.active_mask == 0 &&
+           clear.contains(body.x, body.radius, clear.time * body.v);
   }
   /// True if an iteration may change the body. Exact if no plane is active and there are no box obstacles.
   SIM_HD bool may_touch(const Body& body, bool relaxing) const {
