@@ -159,12 +159,12 @@ TEST(Mesh, IcosahedronIsRegular) {
   EXPECT_NEAR(mesh.bounding_radius, 1.5, 1e-8);
 }
 
-struct Bad {
+struct MeshFault {
   const char* text;
   const char* line;
 };
 
-class BadMesh : public testing::TestWithParam<Bad> {};
+class BadMesh : public testing::TestWithParam<MeshFault> {};
 
 TEST_P(BadMesh, IsRefusedWithItsPosition) {
   const std::vector<std::string> faults = faults_of(GetParam().text);
@@ -176,41 +176,43 @@ TEST_P(BadMesh, IsRefusedWithItsPosition) {
 INSTANTIATE_TEST_SUITE_P(
     Table, BadMesh,
     testing::Values(
-        Bad{"", "m.obj: there are no faces"}, Bad{"v 0 0\n", "m.obj:1:1: 2 numbers; expected `v x y z`"},
-        Bad{"v 0 0 x\n", "m.obj:1:7: \"x\" is not a number"},
-        Bad{"v 0 nan 0\n", "m.obj:1:5: \"nan\" is not a number"},
-        Bad{"v 0 1e999 0\n", "m.obj:1:5: \"1e999\" is not a number"},
-        Bad{"v 0 0 2e9\n", "m.obj:1:7: 2000000000 is out of range"},
-        Bad{"v 0 0 0 2\n", "m.obj:1:1: a vertex with a weight other than 1"},
-        Bad{"v 0 0 0 1 1 1 1 1\n", "m.obj:1:17: a vertex has at most 7 numbers"},
-        Bad{"# fine\n  q 1 2\n", "m.obj:2:3: unsupported keyword \"q\""},
-        Bad{CORNERS "f 1 2\n", "m.obj:5:1: a face with 2 corners"},
-        Bad{CORNERS "f 1 2 0\n", "m.obj:5:7: \"0\" is not a vertex index"},
-        Bad{CORNERS "f 1 2 -5\n", "m.obj:5:7: \"-5\" is not a vertex index"},
-        Bad{CORNERS "f 1 2 3/x\n", "m.obj:5:7: \"3/x\" is not a vertex index"},
-        Bad{CORNERS "f 1 2 3/1/\n", "m.obj:5:7: \"3/1/\" is not a vertex index"},
-        Bad{CORNERS "f 1 2 3/1/1/1\n", "m.obj:5:7: \"3/1/1/1\" is not a vertex index"},
-        Bad{CORNERS "f 1 2 99999999999999999999\n",
-            "m.obj:5:7: \"99999999999999999999\" is not a vertex index"},
-        Bad{CORNERS "f 1 2 9\n", "m.obj:5:1: the face uses vertex 9, but the number of vertices is 4"},
-        Bad{CORNERS "f 1 2 2\n", "m.obj:5:7: vertex 2 appears twice in one face"},
-        Bad{CORNERS "f 1 3 2\nf 1 2 4\nf 1 4 3\n",
-            "m.obj:5:1: the edge from vertex 3 to 2 belongs only to this face, so the surface is open"},
-        Bad{CORNERS "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 4 3\n",
-            "m.obj:5:1: the edge from vertex 3 to 2 has the same direction in the face of line 8"},
-        Bad{CORNERS "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nf 1 2 3\n",
-            "m.obj:5:1: the edge from vertex 2 to 1 belongs to 3 faces"},
-        Bad{CORNERS "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n",
-            "m.obj: the faces are clockwise seen from outside"},
-        Bad{CORNERS "f 1 2 3\nf 3 2 1\n", "m.obj: the surface encloses no volume"},
-        Bad{"v 5 0 0\nv 3 0 0\nv 3 0 1\nv 1 0 1\nv 1 0 6\nv 0 0 2\nv 0 1 0\nv 3 1 0\nv 3 1 1\nv 1 1 1\nv 1 1 "
+        MeshFault{"", "m.obj: there are no faces"},
+        MeshFault{"v 0 0\n", "m.obj:1:1: 2 numbers; expected `v x y z`"},
+        MeshFault{"v 0 0 x\n", "m.obj:1:7: \"x\" is not a number"},
+        MeshFault{"v 0 nan 0\n", "m.obj:1:5: \"nan\" is not a number"},
+        MeshFault{"v 0 1e999 0\n", "m.obj:1:5: \"1e999\" is not a number"},
+        MeshFault{"v 0 0 2e9\n", "m.obj:1:7: 2000000000 is out of range"},
+        MeshFault{"v 0 0 0 2\n", "m.obj:1:1: a vertex with a weight other than 1"},
+        MeshFault{"v 0 0 0 1 1 1 1 1\n", "m.obj:1:17: a vertex has at most 7 numbers"},
+        MeshFault{"# fine\n  q 1 2\n", "m.obj:2:3: unsupported keyword \"q\""},
+        MeshFault{CORNERS "f 1 2\n", "m.obj:5:1: a face with 2 corners"},
+        MeshFault{CORNERS "f 1 2 0\n", "m.obj:5:7: \"0\" is not a vertex index"},
+        MeshFault{CORNERS "f 1 2 -5\n", "m.obj:5:7: \"-5\" is not a vertex index"},
+        MeshFault{CORNERS "f 1 2 3/x\n", "m.obj:5:7: \"3/x\" is not a vertex index"},
+        MeshFault{CORNERS "f 1 2 3/1/\n", "m.obj:5:7: \"3/1/\" is not a vertex index"},
+        MeshFault{CORNERS "f 1 2 3/1/1/1\n", "m.obj:5:7: \"3/1/1/1\" is not a vertex index"},
+        MeshFault{CORNERS "f 1 2 99999999999999999999\n",
+                  "m.obj:5:7: \"99999999999999999999\" is not a vertex index"},
+        MeshFault{CORNERS "f 1 2 9\n", "m.obj:5:1: the face uses vertex 9, but the number of vertices is 4"},
+        MeshFault{CORNERS "f 1 2 2\n", "m.obj:5:7: vertex 2 appears twice in one face"},
+        MeshFault{CORNERS "f 1 3 2\nf 1 2 4\nf 1 4 3\n",
+                  "m.obj:5:1: the edge from vertex 3 to 2 belongs only to this face, so the surface is open"},
+        MeshFault{CORNERS "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 4 3\n",
+                  "m.obj:5:1: the edge from vertex 3 to 2 has the same direction in the face of line 8"},
+        MeshFault{CORNERS "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nf 1 2 3\n",
+                  "m.obj:5:1: the edge from vertex 2 to 1 belongs to 3 faces"},
+        MeshFault{CORNERS "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n",
+                  "m.obj: the faces are clockwise seen from outside"},
+        MeshFault{CORNERS "f 1 2 3\nf 3 2 1\n", "m.obj: the surface encloses no volume"},
+        MeshFault{
+            "v 5 0 0\nv 3 0 0\nv 3 0 1\nv 1 0 1\nv 1 0 6\nv 0 0 2\nv 0 1 0\nv 3 1 0\nv 3 1 1\nv 1 1 1\nv 1 1 "
             "2\n"
             "v 0 1 2\nf 1 2 3 4\nf 1 4 5 6\nf 10 9 8 7\nf 12 11 10 7\nf 2 1 7 8\nf 3 2 8 9\nf 4 3 9 10\nf 5 "
             "4 10 11\n"
             "f 6 5 11 12\nf 1 6 12 7\n",
             "m.obj: the surface intersects itself"},
-        Bad{"v 0 0 0\nv 2e-12 0 0\nv 0 3e-12 0\nv 0 0 7e-12\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
-            "m.obj: the mesh's bounding sphere has a radius of"}));
+        MeshFault{"v 0 0 0\nv 2e-12 0 0\nv 0 3e-12 0\nv 0 0 7e-12\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
+                  "m.obj: the mesh's bounding sphere has a radius of"}));
 
 TEST(Mesh, AllFaultsAreListed) {
   EXPECT_EQ(faults_of("v a 0 0\nv 0 b 0\nz\n").size(), 3u);

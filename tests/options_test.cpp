@@ -13,7 +13,7 @@
 namespace collidoscope {
 namespace {
 
-Options read(const std::vector<std::pair<const char*, const char*>>& given) {
+Options read_options(const std::vector<std::pair<const char*, const char*>>& given) {
   Options options;
   std::vector<std::string> faults;
   for (const auto& [name, text] : given) {
@@ -49,19 +49,19 @@ TEST(Options, NothingGivenChangesNothing) {
 }
 
 TEST(Options, OverridesReachTheScene) {
-  const Options options = read({{"--bodies", "17"},
-                                {"--variant", "scaled"},
-                                {"--spawn", "centres"},
-                                {"--seed", "9"},
-                                {"--gravity", "0,1,2"},
-                                {"--time-step", "0.25"},
-                                {"--substeps", "3"},
-                                {"--iterations", "4"},
-                                {"--integrator", "rk4"},
-                                {"--rotation-update", "lie_group"},
-                                {"--precision", "f64"},
-                                {"--effects", "gravity,rotation"},
-                                {"--restitution-threshold", "0.5"}});
+  const Options options = read_options({{"--bodies", "17"},
+                                        {"--variant", "scaled"},
+                                        {"--spawn", "centres"},
+                                        {"--seed", "9"},
+                                        {"--gravity", "0,1,2"},
+                                        {"--time-step", "0.25"},
+                                        {"--substeps", "3"},
+                                        {"--iterations", "4"},
+                                        {"--integrator", "rk4"},
+                                        {"--rotation-update", "lie_group"},
+                                        {"--precision", "f64"},
+                                        {"--effects", "gravity,rotation"},
+                                        {"--restitution-threshold", "0.5"}});
   Scene scene = generated();
   scene.physics.time_step = TimeStep::per_second(30);
   apply(options.overrides, "x.json", scene);
@@ -83,7 +83,7 @@ TEST(Options, OverridesReachTheScene) {
 
 TEST(Options, AFractionIsAnExactRate) {
   Scene scene = generated();
-  apply(read({{"--time-step", "1/120"}}).overrides, "x.json", scene);
+  apply(read_options({{"--time-step", "1/120"}}).overrides, "x.json", scene);
   EXPECT_EQ(scene.physics.time_step.steps_per_second(), 120);
   EXPECT_EQ(scene.physics.time_step, 1.0 / 120);
 }
@@ -92,23 +92,24 @@ TEST(Options, AutoTakesASettingBack) {
   Scene scene = generated();
   scene.physics.effects = Effects{};
   scene.physics.restitution_threshold = 3;
-  apply(read({{"--effects", "auto"}, {"--restitution-threshold", "auto"}}).overrides, "x.json", scene);
+  apply(read_options({{"--effects", "auto"}, {"--restitution-threshold", "auto"}}).overrides, "x.json",
+        scene);
   EXPECT_FALSE(scene.physics.effects);
   EXPECT_FALSE(scene.physics.restitution_threshold);
 
-  apply(read({{"--effects", "none"}}).overrides, "x.json", scene);
+  apply(read_options({{"--effects", "none"}}).overrides, "x.json", scene);
   EXPECT_EQ(scene.physics.effects, Effects{});
 }
 
 TEST(Options, LaunchShapesAreCountsOrAuto) {
-  EXPECT_EQ(read({{"--blocks", "3"}, {"--threads", "37"}}).run.shape, (LaunchShape{3, 37}));
-  EXPECT_EQ(read({{"--blocks", "auto"}, {"--threads", "auto"}}).run.shape, LaunchShape{});
+  EXPECT_EQ(read_options({{"--blocks", "3"}, {"--threads", "37"}}).run.shape, (LaunchShape{3, 37}));
+  EXPECT_EQ(read_options({{"--blocks", "auto"}, {"--threads", "auto"}}).run.shape, LaunchShape{});
 }
 
 TEST(Options, GeneratorFlagsNeedOneGenerator) {
   Scene none, two = generated();
   two.generators.emplace_back();
-  const Overrides overrides = read({{"--bodies", "5"}, {"--seed", "5"}}).overrides;
+  const Overrides overrides = read_options({{"--bodies", "5"}, {"--seed", "5"}}).overrides;
   for (Scene* scene : {&none, &two}) {
     try {
       apply(overrides, "x.json", *scene);
@@ -125,7 +126,7 @@ TEST(Options, AFaultThatAFlagCausedNamesTheFlag) {
   Scene scene = generated();  // 2000 generated bodies and one listed: too many together
   scene.bodies.emplace_back();
   try {
-    apply(read({{"--bodies", "134217728"}}).overrides, "x.json", scene);
+    apply(read_options({{"--bodies", "134217728"}}).overrides, "x.json", scene);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_TRUE(error.lines()[0].starts_with("--bodies: ")) << error.lines()[0];

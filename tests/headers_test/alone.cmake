@@ -1,5 +1,5 @@
 # Compiles each source and each header separately, without the batches of the unity build, so that a missing include is an error. No object
-# files are written: see ./dev build --alone. The tests' sources are a separate target, which ./dev nightly builds.
+# files are written. .ci/run compiles the headers (./dev build --headers), ./dev nightly the sources, which take four times as long.
 #
 # A header is compiled at the start of a source that includes it, directly or not: nothing that the source includes later can replace a
 # missing include. In front of that header, there may be one that it includes, and so on. So most headers need no compilation of their own.
@@ -96,10 +96,16 @@ function(add_files_alone target)
   endforeach()
   target_precompile_headers(${target}_with_eigen PRIVATE <Eigen/Core>)
 endfunction()
-set(root ${PROJECT_SOURCE_DIR})
-file(GLOB_RECURSE files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}
-  ${root}/sim_cuda/*.h ${root}/ui/*.h ${root}/viewer/*.h ${root}/headless/*.h ${root}/tests/*.h
-  ${root}/sim_cuda/*.cpp ${root}/ui/*.cpp ${root}/viewer/*.cpp ${root}/headless/*.cpp)
-add_files_alone(each_file_alone ${files})
-file(GLOB_RECURSE files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${root}/tests/*.cpp)
-add_files_alone(each_test_alone ${files})
+set(folders sim_cuda ui viewer headless tests)
+list(TRANSFORM folders PREPEND ${PROJECT_SOURCE_DIR}/)
+foreach(ending h cpp)
+  list(TRANSFORM folders APPEND /*.${ending} OUTPUT_VARIABLE patterns)
+  file(GLOB_RECURSE ${ending}_files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${patterns})
+endforeach()
+set(tests ${cpp_files})
+list(FILTER tests INCLUDE REGEX "^tests/")
+list(REMOVE_ITEM cpp_files ${tests})
+add_files_alone(each_header_alone ${h_files})
+add_files_alone(each_file_alone ${h_files} ${cpp_files})
+add_files_alone(each_test_alone ${tests})
+add_custom_target(each_source_alone DEPENDS each_file_alone each_test_alone)
