@@ -6,6 +6,7 @@
 
 #include "tests/energy_scenes.h"
 #include "tests/executors.h"
+#include "tests/joint_scenes.h"
 
 namespace collidoscope {
 namespace {
@@ -27,13 +28,7 @@ Scene free_space(int rate, double gravity) {
   return scene;
 }
 
-Joint rod(std::int64_t a, std::int64_t b) {
-  Joint joint;
-  joint.kind = JointKind::distance;
-  joint.a = a;
-  joint.b = b;
-  return joint;
-}
+Joint rod(std::int64_t a, std::int64_t b) { return joint_between(JointKind::distance, a, b); }
 
 /// Balls on equal parallel arms, which a bar connects, swing like one ball.
 TEST_P(JointLoopRuns, AParallelogramSwingsAsOnePendulum) {

@@ -70,8 +70,8 @@ void expect_predicted() {
     const SpeculativeMargin<double> margin{bound, stored, dt, dt * dt * g.norm(), e};
     EXPECT_TRUE(spheres_will_touch<double>(x[0], r[0], v[0], x[1], r[1], v[1], margin));
     Aabb boxes[2];
-    const SweptBounds<double> bounds{x, stored, r, 1 + nearly_touching, dt, margin.acceleration_margin,
-                                     e, boxes};
+    const SweptBounds<double> bounds{
+        x, stored, r, boxes, {1 + nearly_touching, dt, margin.acceleration_margin, e}};
     bounds(0);
     bounds(1);
     EXPECT_TRUE(overlap(boxes[0], boxes[1]));

@@ -17,6 +17,7 @@
 #include "sim_cuda/import/table_file.h"
 #include "sim_cuda/recording/recording_file.h"
 #include "sim_cuda/scene/imported_scene.h"
+#include "sim_cuda/scene/names.h"
 #include "sim_cuda/scene/scene_file.h"
 
 namespace collidoscope {
@@ -158,8 +159,10 @@ std::string scene_file(const std::string& given) {
   const bool bare = given.find('/') == std::string::npos && !given.ends_with(".json");
   if (!bare || fs::exists(given, failed)) return given;
   std::vector<std::string> names;
+  std::string places;
   for (const fs::path& folder : asset_folders()) {
     const bool first = names.empty();
+    if (first) places = folder / "scenes";
     for (const fs::path& scenes : {folder / "scenes", folder / "scenes" / "analytic"}) {
       const fs::path file = scenes / (given + ".json");
       if (fs::exists(file, failed)) return file.string();
@@ -168,10 +171,16 @@ std::string scene_file(const std::string& given) {
         if (entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
     }
   }
-  std::ranges::sort(names);
-  throw InputError(fmt::format("{}: neither a file nor the name of a scene; {}", shown(given),
-                               names.empty() ? "folder assets/scenes not found"
-                                             : fmt::format("expected one of {}", fmt::join(names, ", "))));
+  std::ranges::sort(names);  // equally similar names: the first
+  const std::vector<std::string_view> views(names.begin(), names.end());
+  const std::string_view nearest = nearest_name(given, views);
+  throw InputError(fmt::format(
+      "{}: neither a file nor the name of a scene; {}", shown(given),
+      names.empty() ? "folder assets/scenes not found"
+                    : fmt::format("{} ({} scenes are in {})",
+                                  nearest.empty() ? "expected a file, or a name such as box_collider"
+                                                  : fmt::format("did you mean \"{}\"?", nearest),
+                                  names.size(), places)));
 }
 
 }  // namespace collidoscope

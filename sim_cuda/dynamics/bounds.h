@@ -33,25 +33,21 @@ struct BodyBounds {
   }
 };
 
-/// Bounding box of the body's motion during `time`: linear motion along its velocity, or a rebound at
+/// The motion of a body during `time` that its box covers: linear motion along its velocity, or a rebound at
 /// `rebound` times the velocity, of the enlarged body, plus `acceleration_margin` in all directions. The
 /// margin covers accelerations up to `acceleration_margin` / time^2. With `anywhere`, the box covers motion
 /// in any direction at the current speed.
 template <class Real>
-struct SweptBounds {
-  const Vector3<Real>* position;
-  const PackedVector3<Real>* velocity;
-  const Real* radius;
+struct Sweep {
   Real radius_factor;        ///< 1 or more
   Real time;                 ///< s
   Real acceleration_margin;  ///< m
   Real rebound;              ///< largest coefficient of restitution, 0 to 1
-  Aabb* boxes;
   bool anywhere = false;
 
-  SIM_HD void operator()(int body) const {
-    const Vector3<Real> x = position[body], displacement = time * velocity[body].load();
-    const Real r = radius_factor * radius[body] + acceleration_margin;
+  SIM_HD Aabb box(const Vector3<Real>& x, const Vector3<Real>& velocity, Real radius) const {
+    const Vector3<Real> displacement = time * velocity;
+    const Real r = radius_factor * radius + acceleration_margin;
     Vector3<Real> low, high;
     using std::sqrt;
     const Real reach = anywhere ? r + sqrt(displacement.dot(displacement)) : Real(0);
@@ -60,7 +56,20 @@ struct SweptBounds {
       low[k] = anywhere ? x[k] - reach : x[k] - r + min_of(ahead, back);
       high[k] = anywhere ? x[k] + reach : x[k] + r + max_of(ahead, back);
     }
-    boxes[body] = box_around<Real>(low, high);
+    return box_around<Real>(low, high);
+  }
+};
+
+template <class Real>
+struct SweptBounds {
+  const Vector3<Real>* position;
+  const PackedVector3<Real>* velocity;
+  const Real* radius;
+  Aabb* boxes;
+  Sweep<Real> sweep;
+
+  SIM_HD void operator()(int body) const {
+    boxes[body] = sweep.box(position[body], velocity[body].load(), radius[body]);
   }
 };
 

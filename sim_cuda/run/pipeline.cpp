@@ -82,9 +82,12 @@ class TypedPipeline final : public Pipeline {
                     BodyBounds<Real>{bodies.position.data(), bodies.radius.data(), boxes_.data()});
     else
       executor_.run("bounds", body_count_,
-                    SweptBounds<Real>{bodies.position.data(), margin.velocity, bodies.radius.data(),
-                                      Real(1 + nearly_touching), margin.time, margin.acceleration_margin,
-                                      margin.rebound, boxes_.data(), effects_.continuous_collision});
+                    SweptBounds<Real>{bodies.position.data(),
+                                      margin.velocity,
+                                      bodies.radius.data(),
+                                      boxes_.data(),
+                                      {Real(1 + nearly_touching), margin.time, margin.acceleration_margin,
+                                       margin.rebound, effects_.continuous_collision}});
   }
 
   /// Extent of all bodies: the scene's box, or a reduction over the body boxes.

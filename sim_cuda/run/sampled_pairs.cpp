@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sim_cuda/core/hash.h"
+#include "sim_cuda/dynamics/bounds.h"
 
 namespace collidoscope {
 namespace {
@@ -62,21 +63,14 @@ class Sample {
   Vector3d velocity(std::size_t body) const {
     return spheres_.velocity.empty() ? Vector3d(0, 0, 0) : spheres_.velocity[body];
   }
-  Vector3d displacement(std::size_t body) const { return spheres_.margin.time * velocity(body); }
   void find_box(std::size_t body) {
-    const Vector3d there = displacement(body);
-    const bool anywhere = spheres_.moves_anywhere();
-    const bool predicted = spheres_.margin.bound != MotionBound::none;
-    const double r = (predicted ? 1 + nearly_touching : 1) * spheres_.radius[body] +
-                     spheres_.margin.acceleration_margin,
-                 reach = anywhere ? there.norm() : 0;
+    const SpeculativeMargin<double>& margin = spheres_.margin;
+    const Sweep<double> sweep{margin.bound == MotionBound::none ? 1 : 1 + nearly_touching, margin.time,
+                              margin.acceleration_margin, margin.rebound, spheres_.moves_anywhere()};
+    const Aabb box = sweep.box(spheres_.position[body], velocity(body), spheres_.radius[body]);
     for (int axis = 0; axis < 3; ++axis) {
-      const double x = spheres_.position[body][axis];
-      const double rebound = -spheres_.margin.rebound * there[axis];
-      const double least = anywhere ? -reach : std::min(there[axis], rebound);
-      const double most = anywhere ? reach : std::max(there[axis], rebound);
-      low_[static_cast<std::size_t>(axis)][body] = static_cast<float>(x - r + least);
-      high_[static_cast<std::size_t>(axis)][body] = static_cast<float>(x + r + most);
+      low_[static_cast<std::size_t>(axis)][body] = box.min[axis];
+      high_[static_cast<std::size_t>(axis)][body] = box.max[axis];
     }
   }
   /// A pseudo-random body from each of `samples_` equal ranges of ids.
