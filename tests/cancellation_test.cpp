@@ -152,26 +152,26 @@ INSTANTIATE_TEST_SUITE_P(Ways, CancelledSteps,
                                   std::string(name_of(precision_names, std::get<1>(tested.param)));
                          });
 
-constexpr double never = 0, always = 1e9;  // s, length of a solve that runs to its end
+constexpr double no_solve = 0, whole_solve = 1e9;  // s, length of a solve that runs to its end
 
-TEST_P(CancelledSteps, CommitNothingAtAnyLook) { expect_undone(scene(), on_cpu(1), 6, 7, never); }
+TEST_P(CancelledSteps, CommitNothingAtAnyLook) { expect_undone(scene(), on_cpu(1), 6, 7, no_solve); }
 
 TEST_P(CancelledSteps, CommitNothingWhereShortSolvesRunToTheirEnd) {
-  expect_undone(scene(), on_cpu(1), 6, 3, always);
+  expect_undone(scene(), on_cpu(1), 6, 3, whole_solve);
 }
 
 TEST_P(CancelledSteps, CommitNothingWhileListsGrow) {
   RunOptions small = on_cpu(1);
   small.initial_pair_capacity = 8;
-  expect_undone(scene(), small, 3, 5, never);
-  expect_undone(scene(), small, 3, 2, always);
+  expect_undone(scene(), small, 3, 5, no_solve);
+  expect_undone(scene(), small, 3, 2, whole_solve);
 }
 
 TEST_P(CancelledSteps, CommitNothingWithLanes) {
   RunOptions lanes = on_cpu(2);
   lanes.shape = {2, 3};
   lanes.lane_order = LaneOrder::strided;
-  expect_undone(scene(), lanes, 3, 11, never);
+  expect_undone(scene(), lanes, 3, 11, no_solve);
 }
 
 TEST(Cancellation, LeavesNoTraceInAnyBroadPhase) {
@@ -182,7 +182,7 @@ TEST(Cancellation, LeavesNoTraceInAnyBroadPhase) {
       options.broad_phase = method;
       options.key_bits = bits;
       options.sort = bits == 63 ? SortMethod::radix : SortMethod::automatic;
-      expect_undone(busy_scene(Solver::soft_step, Precision::f32), options, 3, 9, always);
+      expect_undone(busy_scene(Solver::soft_step, Precision::f32), options, 3, 9, whole_solve);
     }
   }
 }
@@ -252,7 +252,7 @@ TEST(Cancellation, WhileAFindingIsReadChangesNothing) {
       undisturbed.step(16);
       ASSERT_TRUE(undisturbed.validation().finding());
       Looks looks;
-      looks.cancellation.uninterrupted = never;
+      looks.cancellation.uninterrupted = no_solve;
       RunOptions options = plain;
       options.cancellation = &looks.cancellation;
       World world(scene, options);
