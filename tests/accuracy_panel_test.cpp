@@ -60,7 +60,7 @@ struct AccuracyPanel : SinglePanel {
   AccuracyView panel_view = stored_study();
 };
 
-TEST(PanelPictureOfAccuracy, HasItsColours) {
+TEST(PanelPicture, Accuracy) {
   test_context();
   {
     AccuracyPanel dark;
@@ -73,7 +73,7 @@ TEST(PanelPictureOfAccuracy, HasItsColours) {
   EXPECT_TRUE(looks_like_golden<"accuracy_light">(light.picture()));
 }
 
-TEST(PanelPictureOfAccuracy, APointOfTheDiagramIsASetting) {
+TEST(PanelPicture, APointOfTheDiagramIsASetting) {
   test_context();
   AccuracyPanel panel;
   panel.picture();
@@ -99,7 +99,7 @@ TEST(PanelPictureOfAccuracy, APointOfTheDiagramIsASetting) {
   EXPECT_EQ(request.physics.effects->continuous_collision, setting.continuous_collision);
 }
 
-TEST(PanelPictureOfAccuracy, TheErrorThatIsAllowedIsALineToDrag) {
+TEST(PanelPicture, TheErrorThatIsAllowedIsALineToDrag) {
   test_context();
   AccuracyPanel panel;
   panel.picture();

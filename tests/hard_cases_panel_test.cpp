@@ -83,7 +83,7 @@ struct HardCasesPanel : SinglePanel {
   HardCasesView panel_view = hard_cases();
 };
 
-TEST(PanelPictureOfHardCases, HasItsColours) {
+TEST(PanelPicture, HardCases) {
   test_context();
   {
     HardCasesPanel dark(Theme::dark);
@@ -95,7 +95,7 @@ TEST(PanelPictureOfHardCases, HasItsColours) {
   EXPECT_TRUE(looks_like_golden<"hard_cases_light">(light.picture()));
 }
 
-TEST(PanelPictureOfHardCases, ACaseAndEachOfItsMarksCanBeOpened) {
+TEST(PanelPicture, ACaseAndEachOfItsMarksCanBeOpened) {
   test_context();
   HardCasesPanel panel(Theme::dark);
   panel.picture();

@@ -154,7 +154,7 @@ TEST(LiveChanges, ARemovedBodyAndOneThatIsThrown) {
   loaded.step(false);
   LiveWorld later(std::move(loaded.world()));
   later.restart();
-  ASSERT_EQ(later.changes().size(), 1u) << "from a snapshot, a replay must begin anew";
+  ASSERT_EQ(later.changes().size(), 1u) << "the restart of a run from a snapshot is a recorded change";
   EXPECT_EQ(later.changes()[0].step, 0);
 }
 

@@ -159,10 +159,10 @@ std::string scene_file(const std::string& given) {
   const bool bare = given.find('/') == std::string::npos && !given.ends_with(".json");
   if (!bare || fs::exists(given, failed)) return given;
   std::vector<std::string> names;
-  std::string places;
+  std::string scenes_folder;
   for (const fs::path& folder : asset_folders()) {
     const bool first = names.empty();
-    if (first) places = folder / "scenes";
+    if (first) scenes_folder = folder / "scenes";
     for (const fs::path& scenes : {folder / "scenes", folder / "scenes" / "analytic"}) {
       const fs::path file = scenes / (given + ".json");
       if (fs::exists(file, failed)) return file.string();
@@ -180,7 +180,7 @@ std::string scene_file(const std::string& given) {
                     : fmt::format("{} ({} scenes are in {})",
                                   nearest.empty() ? "expected a file, or a name such as box_collider"
                                                   : fmt::format("did you mean \"{}\"?", nearest),
-                                  names.size(), places)));
+                                  names.size(), scenes_folder)));
 }
 
 }  // namespace collidoscope
