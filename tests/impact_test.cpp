@@ -308,7 +308,7 @@ class ImpactPiles : public Impacts {
         most = std::max(most, world.measure().kinetic_energy);
       }
       const bool split = solver == Solver::jacobi_split;
-      EXPECT_LT(world.measure().kinetic_energy, (split ? 1e-4 : 2e-7) * most);
+      EXPECT_LT(world.measure().kinetic_energy, (split ? 1e-4 : 1e-7) * most);
       EXPECT_LT(world.measure().max_speed, split ? 0.5 : 0.05);
       EXPECT_EQ(world.measure().escaped, 0);
     }
