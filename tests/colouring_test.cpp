@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "sim_cuda/solver/chain_contacts.h"
 #include "sim_cuda/solver/soft_iteration.h"
 #include "tests/executors.h"
 #include "tests/random.h"
@@ -93,6 +94,23 @@ TEST_P(ColouringTest, IsProperAndCompleteOnRandomGraphs) {
     expect_proper(coloured, contacts, bodies);
     EXPECT_TRUE(coloured.colours.back().empty()) << "six contacts a body need no mass splitting";
   }
+}
+
+/// Passes over chains visit no other colours.
+TEST_P(ColouringTest, ChainContactsHaveTheLowestColours) {
+  std::size_t highest = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const auto contacts = random_contacts(2000, 1500 + 300 * (seed % 10), seed);
+    std::vector<std::uint32_t> degree(2000);
+    for (const Pair& pair : contacts) ++degree[pair.a], ++degree[pair.b];
+    const Coloured coloured = colour(contacts, 2000, options());
+    for (std::size_t c = 0; c < coloured.colours.size(); ++c)
+      for (const std::uint32_t contact : coloured.colours[c])
+        if (std::max(degree[contacts[contact].a], degree[contacts[contact].b]) <=
+            ChainContacts::most_contacts)
+          highest = std::max(highest, c);
+  }
+  EXPECT_EQ(highest, ChainView::colours - 1u);
 }
 
 TEST_P(ColouringTest, AHubOverflowsIntoTheSplitSet) {

@@ -106,16 +106,8 @@ Scene tumbling_overlap(Uniform& uniform) {
   return scene;
 }
 TEST_P(EnergyBounds, InitialOverlapOfTumblingBodies) {
-  check_contacts(8, 2, tumbling_overlap, {62, 507, 764});
-}
-/// A limit of jacobi_split (solver/README.md): loads that have turned bodies add 0.0017 in this run. None of
-/// 500 random ones exceeds 0.0001.
-TEST_P(EnergyBounds, InitialOverlapOfTumblingBodiesAtTheLimit) {
-  check(0, 2, contact_bound, tumbling_overlap,
-        {.solvers = {Solver::soft_step, Solver::jacobi_split},
-         .seeds = {255},
-         .share_above = 0.5,
-         .most = 0.002});
+  // In 255, a plane stops a body that a contact then pushes on.
+  check_contacts(8, 2, tumbling_overlap, {62, 255, 507, 764});
 }
 
 TEST_P(EnergyBounds, RecoveryFromRest) { check_contacts(30, 1, overlap_at_rest); }
@@ -157,12 +149,12 @@ TEST_P(EnergyBounds, PushWorkOfTallPiles) {
   check(2, 5, 0.001, tall_pile,
         {.value = &EnergyCourse::push_work, .solvers = {Solver::jacobi_split}, .rates = {60}});
 }
-/// A limit of soft_step (solver/README.md): of 2,800 columns, 11 exceed 0.01; the largest value is 0.047.
-/// With jacobi_split, 1 of 1,000; 0.034.
+/// A limit of soft_step (solver/README.md): of 2,800 columns, 3 exceed 0.01; the largest value is 0.024. With
+/// jacobi_split, none of 1,000; 0.005.
 TEST_P(EnergyBounds, PushWorkOfColumns) {
   for (const Solver solver : {Solver::soft_step, Solver::jacobi_split})
     check(30, 4, 0.01, falling_column,
-          {.value = &EnergyCourse::push_work, .solvers = {solver}, .share_above = 0.02, .most = 0.06});
+          {.value = &EnergyCourse::push_work, .solvers = {solver}, .share_above = 0.003, .most = 0.03});
 }
 /// In 4,000 runs with each solver, the largest value is 0.009.
 TEST_P(EnergyBounds, PushWorkWithoutInitialOverlapInFourIterations) {

@@ -61,25 +61,32 @@ TEST_P(SleepersAccuracy, AreWhereTheyWouldBeWithoutSleep) {
     }
 }
 
-/// A whole pile: at most 12 um. In float, the pile that never sleeps creeps: positions are multiples of 4 um
-/// there.
+/// Whole piles. The distance comes from balls that fall asleep while others still move, so it differs from
+/// pile to pile: of eleven, the median is 9 um, the largest value 150 um. In float, the pile that never
+/// sleeps creeps: positions are multiples of 4 um there.
 TEST_P(SleepersAccuracy, APileIsWhereItWouldBeWithoutSleep) {
-  Scene scene = project_scene("pile");
-  scene.generators[0].count = 500;
-  scene.materials[0].rolling_resistance = 0.05;
-  scene.physics.precision = Precision::f64;
-  scene.physics.sleep = Sleep{};
-  World slept(scene, options());
-  scene.physics.sleep.reset();
-  World never(scene, options());
-  for (int step = 100; step <= 1000; step += 100) {
-    slept.step(100);
-    never.step(100);
-    EXPECT_LE(distance_between(slept, never), 2e-5) << step;
-    if (step >= 600) {  // a last sphere rolls to its place
-      ASSERT_EQ(count_asleep(slept), 500);
+  std::vector<double> distances;
+  for (const int count : {460, 480, 500, 520, 540}) {
+    Scene scene = project_scene("pile");
+    scene.generators[0].count = count;
+    scene.materials[0].rolling_resistance = 0.05;
+    scene.physics.precision = Precision::f64;
+    scene.physics.sleep = Sleep{};
+    World slept(scene, options());
+    scene.physics.sleep.reset();
+    World never(scene, options());
+    double largest = 0;
+    for (int step = 100; step <= 700; step += 100) {
+      slept.step(100);
+      never.step(100);
+      largest = std::max(largest, distance_between(slept, never));
     }
+    EXPECT_EQ(count_asleep(slept), count);
+    EXPECT_LE(largest, 5e-4) << count;
+    distances.push_back(largest);
   }
+  std::ranges::nth_element(distances, distances.begin() + 2);
+  EXPECT_LE(distances[2], 1e-4);
 }
 
 TEST_P(SleepersAccuracy, ABlowGoesThroughASleepingRow) {

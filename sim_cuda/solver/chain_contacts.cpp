@@ -1,5 +1,6 @@
 #include "sim_cuda/solver/chain_contacts.h"
 
+#include "sim_cuda/core/arithmetic.h"
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/executor.h"
 #include "sim_cuda/dynamics/awake.h"
@@ -8,26 +9,70 @@ namespace collidoscope {
 
 namespace {
 
-struct ListChainContacts {
+constexpr std::uint32_t is_body = std::uint32_t{1} << 31;
+
+SIM_HD bool has_few_contacts(const std::uint32_t* degrees, std::uint32_t body) {
+  return degrees[body] <= ChainContacts::most_contacts;
+}
+
+struct Members {
+  const std::uint32_t* degrees;  ///< contacts by body
+  std::uint32_t *members, *count;
+  SIM_HD void add(std::uint32_t member) const { members[atomic_count_labelled(count)] = member; }
+};
+
+struct ListContacts {
+  Members chains;
   const Pair* ids;  ///< by place
-  ColourView colours;
-  ChainView chains;
+  const std::uint8_t* colour;
   SIM_HD void operator()(int place) const {
-    const std::uint8_t colour = colours.colour[place];
-    if (colour >= Colouring::colours) return;
+    if (colour[place] >= ChainView::colours) return;
     const Pair pair = ids[place];
-    if (!chains.has_few_contacts(pair.a) || !chains.has_few_contacts(pair.b)) return;
-    const std::uint32_t number = atomic_count_labelled(chains.count + colour);
-    chains.places[colours.begin[colour] + number] = static_cast<std::uint32_t>(place);
+    if (has_few_contacts(chains.degrees, pair.a) && has_few_contacts(chains.degrees, pair.b))
+      chains.add(static_cast<std::uint32_t>(place));
   }
 };
 
-struct ListChainBodies {
-  ChainView chains;
+struct ListBodies {
+  Members chains;
   SIM_HD void operator()(int body) const {
     const auto id = static_cast<std::uint32_t>(body);
-    if (chains.degrees[id] == 0 || !chains.has_few_contacts(id)) return;
-    chains.bodies[atomic_count_labelled(chains.count + Colouring::colours)] = id;
+    if (chains.degrees[id] > 0 && has_few_contacts(chains.degrees, id)) chains.add(id | is_body);
+  }
+};
+
+/// An item is a member.
+template <class Real>
+struct ListMoving {
+  MovingContacts<Real> contacts;
+  ColourView colours;
+  const std::uint32_t *degrees, *members;
+  ChainView chains;
+  SIM_HD void operator()(int item) const {
+    if (*contacts.moving == 0) return;
+    const std::uint32_t member = members[item];
+    if ((member & is_body) != 0) {
+      const std::uint32_t body = member & ~is_body;
+      if (has_moving_contact(body))
+        chains.bodies[atomic_count_labelled(chains.count + ChainView::of_bodies)] = body;
+    } else if (is_moving(member)) {
+      const std::uint8_t colour = colours.colour[member];
+      chains.places[colours.begin[colour] + atomic_count_labelled(chains.count + colour)] = member;
+    }
+  }
+  SIM_HD bool is_moving(std::uint32_t place) const {
+    const Pair pair = contacts.ids[place];
+    const std::uint8_t mark = max_of(contacts.struck[pair.a], contacts.struck[pair.b]);
+    if (mark != 1) return mark > 1;
+    return contacts.soft[place].impulse > 0 || !(contacts.soft[place].gap > contacts.near_gap);
+  }
+  SIM_HD bool has_moving_contact(std::uint32_t body) const {
+    for (std::uint32_t k = 0; k < contacts.by_body.count[body]; ++k) {
+      const std::uint32_t place = contacts.by_body.end(static_cast<int>(body), k).contact;
+      const Pair pair = contacts.ids[place];
+      if (has_few_contacts(degrees, pair.a == body ? pair.b : pair.a) && is_moving(place)) return true;
+    }
+    return false;
   }
 };
 
@@ -35,25 +80,38 @@ struct ListChainBodies {
 
 ChainContacts::ChainContacts(Executor& executor)
     : executor_(executor),
-      count_(executor, "chain contact counts"),
-      places_(executor, "chain contacts"),
-      listed_bodies_(executor, "chain bodies") {
-  count_.resize_discarding(Colouring::colours + 1);
-}
+      members_(executor, "chain members"),
+      member_count_(executor, "number of chain members"),
+      count_(executor, "moving chain counts"),
+      places_(executor, "moving chain contacts"),
+      bodies_(executor, "moving chain bodies") {}
 
 void ChainContacts::reserve(std::int64_t bodies, std::int64_t contact_capacity) {
-  places_.resize_discarding(static_cast<std::size_t>(contact_capacity));
-  listed_bodies_.resize_discarding(static_cast<std::size_t>(bodies));
+  const auto n = static_cast<std::size_t>(bodies), m = static_cast<std::size_t>(contact_capacity);
+  members_.resize_discarding(n + m);
+  member_count_.resize_discarding(1);
+  count_.resize_discarding(ChainView::counts);
+  places_.resize_discarding(m);
+  bodies_.resize_discarding(n);
 }
 
 void ChainContacts::list(const Pair* ids, const Colouring& colouring, const StepControl* control,
                          const std::uint8_t* asleep) {
-  const ChainView chains = view(colouring);
+  const Members chains{colouring.degrees().view().count, members_.data(), member_count_.data()};
   executor_.begin_stage("prepare");
-  count_.fill_zero();
+  member_count_.fill_zero();
   executor_.run("prepare", ItemCount(&control->contacts, static_cast<std::int64_t>(places_.size())),
-                ListChainContacts{ids, colouring.view(), chains});
-  executor_.run("prepare", colouring.degrees().bodies(), OfAwakeBodies<ListChainBodies>{{chains}, asleep});
+                ListContacts{chains, ids, colouring.view().colour});
+  executor_.run("prepare", colouring.degrees().bodies(), OfAwakeBodies<ListBodies>{{chains}, asleep});
 }
+
+template <class Real>
+void ChainContacts::list_moving(const MovingContacts<Real>& contacts, const Colouring& colouring) {
+  executor_.run("bounce", ItemCount(member_count_.data(), static_cast<std::int64_t>(members_.size())),
+                ListMoving<Real>{contacts, colouring.view(), colouring.degrees().view().count,
+                                 members_.data(), view()});
+}
+template void ChainContacts::list_moving<float>(const MovingContacts<float>&, const Colouring&);
+template void ChainContacts::list_moving<double>(const MovingContacts<double>&, const Colouring&);
 
 }  // namespace collidoscope

@@ -61,9 +61,7 @@ struct SolverScene {
   int surfaces() const { return plane_count + boxes.count; }
   /// True if contacts keep overlap (Softness), chain contacts have more passes (chain_passes.h), and the
   /// energy guard reduces loads (energy_guard.h).
-  bool limits_recovery() const {
-    return (effects.gravity || effects.attractor) && !(effects.friction && unequal_moments);
-  }
+  bool limits_recovery() const { return effects.gravity || effects.attractor; }
   Joints<Real>* joints;  ///< null if the effect is off
 };
 

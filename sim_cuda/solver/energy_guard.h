@@ -40,9 +40,7 @@
 //
 // With friction, loads of slow islands are reduced less (GuardRounds::full_motion). Without friction, tall
 // piles rest with the full factor. Without gravity, loads come from overlap only, and bodies that start with
-// one centre would separate more slowly. With friction and unequal moments of inertia, loads stay as they
-// are: in 1 of 960 random scenes, a body that loads had turned would gain 1 % of the largest kinetic energy,
-// and no removal can take that. One of them also gained energy with more kept overlap (Softness).
+// one centre would separate more slowly.
 //
 // An island is a set of dynamic bodies that are connected by contacts that have pressed in the step, or by
 // joints. The sets only grow within a step, so a substep starts with those of the last one. Springs are
@@ -82,6 +80,7 @@ struct GuardedContacts {
   Real* plane_impulse;                   ///< N s; index surface * body count + body
   const Vector3<Real>* plane_friction;   ///< N s; null without friction
   const ContactPlane<Real>* box_planes;  ///< contact planes of boxes; index box * body count + body
+  const std::uint8_t* stopped;           ///< by body, see SoftWalls; null without surfaces
   const std::uint8_t* asleep;            ///< by body, or null
 };
 

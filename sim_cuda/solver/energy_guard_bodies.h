@@ -130,6 +130,7 @@ struct GuardedBodies {
     return sum.total > 0 || sum.impact.has_pressed();
   }
   SIM_HD bool touches_plane(int body) const {
+    if (contacts.stopped != nullptr && contacts.stopped[body] != 0) return true;
     for (int p = 0; p < surfaces; ++p)
       if (contacts.plane_impulse[p * body_count + body] > 0) return true;
     return false;

@@ -11,6 +11,7 @@
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/round_kernels.h"
 #include "sim_cuda/core/step_control.h"
+#include "sim_cuda/solver/chain_contacts.h"
 #include "sim_cuda/solver/colouring.h"
 #include "sim_cuda/solver/impact.h"
 #include "sim_cuda/solver/last_impact_sweeps.h"
@@ -162,6 +163,7 @@ struct EndImpacts {
   std::uint32_t* needed;  ///< see ImpactSweeps; then a flag that stays: a body was fast or had an impact
   LastSweepLists last;
   StruckMarks struck;
+  std::uint32_t* chain_counts;  ///< ChainView::count; null: no chains
   StepControl* control;
   SIM_HD void operator()(int) const {
     struck.clear_contacts();
@@ -169,6 +171,7 @@ struct EndImpacts {
     needed[max_impact_sweeps + 1] = needed[0];
     for (int sweep = 0; sweep <= max_impact_sweeps; ++sweep) needed[sweep] = 0;
     last.clear();
+    for (int k = 0; chain_counts != nullptr && k < ChainView::counts; ++k) chain_counts[k] = 0;
   }
 };
 

@@ -13,6 +13,7 @@ PlaneContacts<Real>::PlaneContacts(Executor& executor, const SolverScene<Real>& 
       impulse_(executor, "wall impulses"),
       bounced_mask_(executor, "wall impact masks"),
       active_mask_(executor, "wall contact masks"),
+      stopped_(executor, "bodies stopped by walls"),
       friction_(executor, "wall friction"),
       box_planes_(executor, "box faces") {
   const auto bodies = static_cast<std::size_t>(scene.body_count),
@@ -20,6 +21,7 @@ PlaneContacts<Real>::PlaneContacts(Executor& executor, const SolverScene<Real>& 
              boxes = static_cast<std::size_t>(scene.boxes.count) * bodies;
   impulse_.upload(std::vector<Real>(entries, 0));
   bounced_mask_.upload(std::vector<std::uint32_t>(scene.surfaces() > 0 ? bodies : 0, 0));
+  stopped_.upload(std::vector<std::uint8_t>(bounced_mask_.size(), 0));
   activate_all();
   box_planes_.resize_discarding(boxes);
   if (!scene.effects.friction) return;

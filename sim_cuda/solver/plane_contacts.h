@@ -31,6 +31,7 @@ class PlaneContacts {
             closing_gap(scene_.acceleration_margin, scene_.substeps) * inverse_h,
             impulse_.data(),
             bounced_mask_.data(),
+            stopped_.data(),
             active_mask_.data(),
             WallFriction<Real>{scene_.friction, friction_.data()},
             BoxContacts<Real>{scene_.boxes, box_planes_.data()},
@@ -41,6 +42,9 @@ class PlaneContacts {
   const std::uint32_t* bounced_mask() const {
     return bounced_mask_.size() > 0 ? bounced_mask_.data() : nullptr;
   }
+  const std::uint8_t* stopped() const {
+    return stopped_.size() > 0 ? stopped_.data() : nullptr;
+  }  ///< see SoftWalls
   const ContactPlane<Real>* box_planes() const { return box_planes_.data(); }
   Vector3<Real>* friction() const { return friction_.size() > 0 ? friction_.data() : nullptr; }  ///< N s
 
@@ -57,6 +61,7 @@ class PlaneContacts {
   Buffer<Real> impulse_;  ///< surfaces x bodies; empty without surfaces
   Buffer<std::uint32_t> bounced_mask_,
       active_mask_;                        ///< by body, one bit per surface; empty without surfaces
+  Buffer<std::uint8_t> stopped_;           ///< by body; empty without surfaces
   Buffer<Vector3<Real>> friction_;         ///< surfaces x bodies; empty without friction
   Buffer<ContactPlane<Real>> box_planes_;  ///< boxes x bodies; empty without boxes
 };

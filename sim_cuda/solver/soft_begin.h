@@ -66,13 +66,14 @@ struct BeginSubstep {
       start_spin[id] = AngularState<Real>::of(walls.bodies, static_cast<std::uint32_t>(id)).spin();
     const Vector3<Real> pull = field != nullptr ? Vector3<Real>(gravity + field[id]) : walls.gravity;
     if (with_field) body.v += h * pull;
+    walls.clear_stopped(id);
     if constexpr (with_box_obstacles) walls.update_box_planes(id, body);
     walls.warm_start(id, body);
     if (contacts_of(id) > 0) {
       body.v += body.inverse_mass * impulses.sum[0];
       if constexpr (with_friction) body.angular.apply_angular_impulse(impulses.sum[1]);
     }
-    if (!walls.is_clear(body)) walls.solve(id, body, false, pull);
+    if (!walls.is_clear(body)) walls.solve(id, body, WallPass::solve, pull);
     body.velocity_changed = true;
     walls.store(id, body);
   }

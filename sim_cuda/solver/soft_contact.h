@@ -149,6 +149,9 @@ struct SoftContact {
     impulse = max_of(next, Real(0));
     return impulse - before;
   }
+  /// Impulse without an effect, N s. For a contact without a load in a pass that others follow: it stays
+  /// active, and the load can return.
+  static constexpr Real trace = Real(1e-30);
 
   /// Call before each solve without the spring.
   SIM_HD void mark_pressing() {

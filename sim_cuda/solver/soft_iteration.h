@@ -54,7 +54,9 @@ struct Solve {
     if (contact.gap > 0) {
       // Most contacts without an impulse: the bodies do not touch in the substep.
       if (contact.impulse == 0 && speed + contact.gap * softness.inverse_h >= 0) return 0;
-      if (contact.passes(velocity, motions.reach(), 1 / softness.inverse_h)) {
+      const Real whole_mass = motions.mass * motions.parts;
+      const Vector3<Real> without_impulse = velocity - contact.impulse / whole_mass * contact.normal;
+      if (contact.passes(without_impulse, motions.reach(), 1 / softness.inverse_h)) {
         const Real change = -contact.impulse;
         contact.impulse = 0;
         return change;

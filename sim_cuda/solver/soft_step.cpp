@@ -157,7 +157,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
     energy_guard_.apply(h_, substep == 0,
                         {ordered_contacts_.data(), soft_.data(), sums_.data(), uncoloured_change_.data(),
                          all_.view(colouring_.degrees()), planes_.impulse(), planes_.friction(),
-                         planes_.box_planes(), sleeping_.asleep()},
+                         planes_.box_planes(), planes_.stopped(), sleeping_.asleep()},
                         contact_capacity_);
   }
   dispatch_walls<with_friction>(
@@ -232,7 +232,15 @@ void SoftStepSolver<Real>::resolve_impacts() {
     else if constexpr (!unequal_moments)
       with.template operator()<false, false>();
   });
-  executor_.run("bounce", 1, EndImpacts{impact_sweeps_.data(), last, struck, scene_.control});
+  executor_.run("bounce", 1,
+                EndImpacts{impact_sweeps_.data(), last, struck, chains_.view().count, scene_.control});
+  if (scene_.limits_recovery()) {
+    const std::uint32_t* const moving = impact_sweeps_.data() + max_impact_sweeps + 1;
+    chains_.list_moving<Real>(
+        {ordered_contacts_.data(), soft_.data(), all_.view(colouring_.degrees()), struck_.data(), moving,
+         closing_gap(scene_.acceleration_margin, scene_.substeps)},
+        colouring_);
+  }
 }
 
 /// Applies gravity, attractors, drag and warm starting. Solves the planes once.
@@ -260,9 +268,10 @@ void SoftStepSolver<Real>::solve(int substep) {
       const bool first = iteration == 1 && pass == 1,
                  last = iteration == scene_.iterations && pass == passes_;
       const Real gap = closing_gap(scene_.acceleration_margin, scene_.substeps);
-      if (first) iterate_chains<with_friction>("solve", Solve<Real>{softness_, gap, false, false}, false);
+      if (first)
+        iterate_chains<with_friction>("solve", Solve<Real>{softness_, gap, false, false}, WallPass::solve);
       iterate("solve", Solve<Real>{softness_, gap, first, last});
-      iterate_walls<with_friction>("solve", false);
+      iterate_walls<with_friction>("solve", WallPass::solve);
     }
     record_iteration<with_friction>(substep, true, iteration);
   }
@@ -294,10 +303,12 @@ void SoftStepSolver<Real>::relax(int substep) {
   for (int iteration = 1; iteration <= scene_.iterations; ++iteration) {
     if (scene_.effects.joints) scene_.joints->relax(iteration == 1, energy_guard_.moved_velocity());
     for (int pass = 1; pass <= passes_; ++pass) {
-      const bool last = iteration == scene_.iterations && pass == passes_;
-      if (iteration == 1 && pass == 1)
-        iterate_chains<with_friction>("relax", Relax<Real, with_friction, false>{softness_, false}, true);
-      iterate_walls<with_friction>("relax", true);
+      const bool first = iteration == 1 && pass == 1,
+                 last = iteration == scene_.iterations && pass == passes_;
+      iterate_walls<with_friction>("relax", WallPass::relax);
+      if (first)
+        iterate_chains<with_friction>("relax", Relax<Real, with_friction, false>{softness_, false},
+                                      WallPass::relax_chains);
       with_moments<with_friction>([&]<bool unequal_moments>() {
         iterate("relax", Relax<Real, with_friction, unequal_moments>{softness_, last});
       });
@@ -418,20 +429,18 @@ void SoftStepSolver<Real>::iterate(const char* stage, const Act& act) {
 /// Passes of `act` over chain contacts and the planes and boxes of their bodies, timed as `stage`.
 template <class Real>
 template <bool with_friction, class Act>
-void SoftStepSolver<Real>::iterate_chains(const char* stage, const Act& act, bool relaxing) {
+void SoftStepSolver<Real>::iterate_chains(const char* stage, const Act& act, WallPass pass) {
   if (!scene_.limits_recovery()) return;
-  using Walls =
-      SolveWalls<Real, with_friction, true, false>;  // for all walls: a version takes long to compile
+  // For all scenes, because each version takes long to compile. Friction of unequal moments of inertia is too
+  // small in these passes, as if all were the smallest; the passes after them are exact.
+  using Walls = SolveWalls<Real, with_friction, true, false>;
   using Passes = ChainPasses<Real, Act, Walls>;
-  const Walls walls{planes_.template view<with_friction, true>(softness_.inverse_h), relaxing,
-                    scene_.control};
-  executor_.run_rounds(stage, Passes::rounds, std::min(contact_capacity_, scene_.body_count / 2),
-                       Passes{{ordered_contacts<Act::has_friction>(true), scene_.bodies, {act}},
-                              walls,
-                              chains_.view(colouring_),
-                              struck_.data(),
-                              impact_sweeps_.data() + max_impact_sweeps + 1,
-                              relaxing});
+  executor_.run_rounds(
+      stage, Passes::rounds, std::min(contact_capacity_, scene_.body_count / 2),
+      Passes{{ordered_contacts<Act::has_friction>(true), scene_.bodies, {act}},
+             Walls{planes_.template view<with_friction, true>(softness_.inverse_h), pass, scene_.control},
+             chains_.view(),
+             struck_.data()});
 }
 
 /// Records the residual after an iteration of solve (`soft`) or relax. `iteration` 0: before the first one.
@@ -464,12 +473,12 @@ void SoftStepSolver<Real>::dispatch_walls(const Launch& launch) {
 /// One pass over planes and box obstacles, timed as `stage`.
 template <class Real>
 template <bool with_friction>
-void SoftStepSolver<Real>::iterate_walls(const char* stage, bool relaxing) {
+void SoftStepSolver<Real>::iterate_walls(const char* stage, WallPass pass) {
   dispatch_walls<with_friction>(
       [&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
         with_moments<with_friction>([&]<bool unequal_moments>() {
           run_bodies(stage, SolveWalls<Real, with_friction, with_box_obstacles, unequal_moments>{
-                                walls, relaxing, scene_.control});
+                                walls, pass, scene_.control});
         });
       });
 }

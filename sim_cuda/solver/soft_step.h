@@ -85,7 +85,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   template <class Act>
   void iterate(const char* stage, const Act& act);
   template <bool with_friction, class Act>
-  void iterate_chains(const char* stage, const Act& act, bool relaxing);
+  void iterate_chains(const char* stage, const Act& act, WallPass walls);
   template <bool with_friction, class Launch>
   void dispatch_walls(const Launch& launch);
   /// Calls `launch` with true if the scene has friction and unequal moments of inertia.
@@ -96,7 +96,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
     launch.template operator()<false>();
   }
   template <bool with_friction>
-  void iterate_walls(const char* stage, bool relaxing);
+  void iterate_walls(const char* stage, WallPass pass);
   template <bool with_friction>
   void record_iteration(int substep, bool soft, int iteration);
   /// Runs a stage over awake bodies.

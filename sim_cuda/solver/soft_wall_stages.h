@@ -12,7 +12,7 @@ namespace collidoscope {
 template <class Real, bool with_friction, bool with_box_obstacles, bool unequal_moments>
 struct SolveWalls {
   SoftWalls<Real, with_friction, with_box_obstacles> walls;
-  bool relaxing;
+  WallPass pass;
   const StepControl* control;
   SIM_HD int count() const { return walls.count(); }
   /// False only for bodies away from all planes and boxes.
@@ -22,10 +22,11 @@ struct SolveWalls {
   SIM_HD void operator()(int id) const {
     if (control->overflow) return;
     typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load_motion(id);
+    const bool relaxing = pass != WallPass::solve;
     if (!walls.may_touch(body, relaxing)) return;
     walls.load_rest(id, body);
     if (!(body.inverse_mass > 0)) return;
-    walls.template solve<unequal_moments>(id, body, relaxing, walls.gravity);
+    walls.template solve<unequal_moments>(id, body, pass, walls.gravity);
     if (relaxing) walls.template apply_friction<unequal_moments>(id, body);
     walls.store(id, body);
   }

@@ -29,6 +29,12 @@ namespace collidoscope {
 template <class Real>
 struct ImpactLaw;
 
+/// Iterations over planes and boxes: before the move, after it, and after it for chain contacts
+/// (chain_passes.h). After the move, speculative planes without impulse stay inactive. `relax` stops bodies
+/// that have closed a gap in the substep. `relax_chains` does not: there, over-relaxed contacts may push
+/// loaded bodies off the plane for a pass, and their load must stay.
+enum class WallPass : std::uint8_t { solve, relax, relax_chains };
+
 template <class Real, bool with_friction, bool with_box_obstacles>
 struct SoftWalls {
   BodyView<Real> bodies;
@@ -40,6 +46,7 @@ struct SoftWalls {
   Real closing_speed;           ///< m/s: closing_gap() in a substep
   Real* impulse;                ///< accumulated in the substep, N s; index plane * body count + body
   std::uint32_t* bounced_mask;  ///< by body: bit p is set if the body bounced off plane p in this substep
+  std::uint8_t* stopped;  ///< by body: 1: stopped in this substep by an impulse that is not in `impulse`
   std::uint32_t*
       active_mask;  ///< by body: bit p is set if plane p has impulses or had some in this step; may be null
   WallFriction<Real> friction;  ///< used only with friction
@@ -133,6 +140,10 @@ struct SoftWalls {
       return (planes[p]);
     }
   }
+  /// Call at the start of a substep.
+  SIM_HD void clear_stopped(int id) const {
+    if (count() > 0 && stopped[id] != 0) stopped[id] = 0;
+  }
   /// Call at the start of a substep. Sets the contact planes of the boxes that the body touches.
   SIM_HD void update_box_planes(int id, const Body& body) const {
     for (int b = 0; b < boxes.view.count; ++b) {
@@ -173,6 +184,7 @@ struct SoftWalls {
     for (int k = 0; k < 3; ++k) static_impulses[id].vector[k] -= static_cast<double>(body.mass * body.v[k]);
     body.v = Vector3<Real>::Zero();
     body.velocity_changed = true;
+    stopped[id] = 1;
   }
 
   SIM_HD void apply_normal_impulse(int id, Body& body, const Vector3<Real>& normal, Real change) const {
@@ -357,6 +369,7 @@ struct SoftWalls {
   /// Stops a body at plane p that has closed a gap in the substep, with friction. Its impulses are no loads.
   template <bool unequal_moments>
   SIM_HD void stop_at_plane(int id, Body& body, int p, const WallPlane<Real>& surface, Real change) const {
+    stopped[id] = 1;
     apply_normal_impulse(id, body, surface.normal, change);
     Real& sum = impulse[index(p, id)];
     if constexpr (with_friction) {
@@ -368,10 +381,10 @@ struct SoftWalls {
     sum = 0;
   }
 
-  /// One iteration. `relaxing`: after the move; speculative planes without impulse stay inactive. `pull`:
-  /// acceleration for the work of overlap recovery, m/s^2.
+  /// One iteration. `pull`: acceleration for the work of overlap recovery, m/s^2.
   template <bool unequal_moments = false>
-  SIM_HD void solve(int id, Body& body, bool relaxing, const Vector3<Real>& pull) const {
+  SIM_HD void solve(int id, Body& body, WallPass pass, const Vector3<Real>& pull) const {
+    const bool relaxing = pass != WallPass::solve;
     for (int p = 0; p < count(); ++p) {
       if constexpr (with_box_obstacles)
         if (p >= plane_count && (relaxing ? plane(p, id).normal.dot(plane(p, id).normal) == 0
@@ -392,7 +405,7 @@ struct SoftWalls {
       const Real accumulated = is_active(body, p) ? impulse[index(p, id)] : Real(0);
       if (relaxing && !(accumulated > 0)) continue;
       const Real over = -(speed + gap * inverse_h);
-      if (relaxing && over > closing_speed) {
+      if (pass == WallPass::relax && over > closing_speed) {
         stop_at_plane<unequal_moments>(id, body, p, surface, body.mass * over);
         continue;
       }
