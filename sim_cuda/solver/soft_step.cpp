@@ -305,10 +305,12 @@ void SoftStepSolver<Real>::relax(int substep) {
     for (int pass = 1; pass <= passes_; ++pass) {
       const bool first = iteration == 1 && pass == 1,
                  last = iteration == scene_.iterations && pass == passes_;
-      iterate_walls<with_friction>("relax", WallPass::relax);
+      // With mass splitting, a later pass may find bodies that the others have pushed only in part.
+      const bool stops = first || coloured_;
+      iterate_walls<with_friction>("relax", stops ? WallPass::relax : WallPass::relax_without_stops);
       if (first)
         iterate_chains<with_friction>("relax", Relax<Real, with_friction, false>{softness_, false},
-                                      WallPass::relax_chains);
+                                      WallPass::relax_without_stops);
       with_moments<with_friction>([&]<bool unequal_moments>() {
         iterate("relax", Relax<Real, with_friction, unequal_moments>{softness_, last});
       });

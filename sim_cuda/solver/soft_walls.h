@@ -29,11 +29,10 @@ namespace collidoscope {
 template <class Real>
 struct ImpactLaw;
 
-/// Iterations over planes and boxes: before the move, after it, and after it for chain contacts
-/// (chain_passes.h). After the move, speculative planes without impulse stay inactive. `relax` stops bodies
-/// that have closed a gap in the substep. `relax_chains` does not: there, over-relaxed contacts may push
-/// loaded bodies off the plane for a pass, and their load must stay.
-enum class WallPass : std::uint8_t { solve, relax, relax_chains };
+/// Iterations over planes and boxes before and after the move. After it, speculative planes without impulse
+/// stay inactive. `relax` stops bodies that have closed a gap in the substep, which ends the load of the
+/// plane. `relax_without_stops` does not, because other passes may push loaded bodies for a moment.
+enum class WallPass : std::uint8_t { solve, relax, relax_without_stops };
 
 template <class Real, bool with_friction, bool with_box_obstacles>
 struct SoftWalls {
