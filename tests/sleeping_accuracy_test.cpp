@@ -66,7 +66,7 @@ TEST_P(SleepersAccuracy, AreWhereTheyWouldBeWithoutSleep) {
 /// sleeps creeps: positions are multiples of 4 um there.
 TEST_P(SleepersAccuracy, APileIsWhereItWouldBeWithoutSleep) {
   std::vector<double> distances;
-  for (const int count : {460, 480, 500, 520, 540}) {
+  for (const int count : {460, 500, 540}) {
     Scene scene = project_scene("pile");
     scene.generators[0].count = count;
     scene.materials[0].rolling_resistance = 0.05;
@@ -85,8 +85,8 @@ TEST_P(SleepersAccuracy, APileIsWhereItWouldBeWithoutSleep) {
     EXPECT_LE(largest, 5e-4) << count;
     distances.push_back(largest);
   }
-  std::ranges::nth_element(distances, distances.begin() + 2);
-  EXPECT_LE(distances[2], 1e-4);
+  std::ranges::nth_element(distances, distances.begin() + 1);
+  EXPECT_LE(distances[1], 1e-4);
 }
 
 TEST_P(SleepersAccuracy, ABlowGoesThroughASleepingRow) {
