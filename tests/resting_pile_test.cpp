@@ -57,7 +57,7 @@ TEST_P(TallPile, ComesToRest) {
 class PaperBox : public OnEachExecutor {};
 ON_EACH_EXECUTOR(PaperBox);
 
-/// Without friction and with restitution, this takes long. Measured at the end: 1e3 J of 5e10 J, 0.5 mm/s.
+/// Without friction and with restitution, this takes long. Measured at the end: 2e3 J of 5e10 J, 0.3 mm/s.
 TEST_P(PaperBox, ComesToRest) {
   Scene scene = box_collider(2000);
   scene.physics.solver = Solver::soft_step;

@@ -24,7 +24,7 @@ struct MovingContacts {
   ContactsByBodyView by_body;   ///< places of all contacts
   const std::uint8_t* struck;   ///< by body: 0: slow, 1: fast, 2 and more: has had an impact
   const std::uint32_t* moving;  ///< 0: no body is fast or has had an impact
-  Real near_gap;                ///< m; contacts with larger gaps get no load in the substep
+  Real near_gap;                ///< m; fast contacts without a load and with larger gaps are not listed
 };
 
 /// Chain contacts that move, in a substep.

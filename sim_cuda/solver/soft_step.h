@@ -85,7 +85,7 @@ class SoftStepSolver final : public ContactSolver<Real> {
   template <class Act>
   void iterate(const char* stage, const Act& act);
   template <bool with_friction, class Act>
-  void iterate_chains(const char* stage, const Act& act, WallPass walls);
+  void iterate_chains(const char* stage, const Act& act, WallPass pass);
   template <bool with_friction, class Launch>
   void dispatch_walls(const Launch& launch);
   /// Calls `launch` with true if the scene has friction and unequal moments of inertia.
