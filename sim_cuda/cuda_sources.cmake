@@ -12,7 +12,7 @@ set_source_files_properties(${cuda_sources} PROPERTIES LANGUAGE CUDA)
 # unity builds for CUDA only from version 3.31.
 if(COLLIDOSCOPE_UNITY)
   list(REMOVE_ITEM sources ${cuda_sources})
-  set(alone ${CMAKE_CURRENT_SOURCE_DIR}/solver/soft_step.cpp)
+  set(alone ${CMAKE_CURRENT_SOURCE_DIR}/solver/soft_step.cpp ${CMAKE_CURRENT_SOURCE_DIR}/solver/impact_stage.cpp)
   list(REMOVE_ITEM cuda_sources ${alone})
   list(APPEND sources ${alone})
   set(number 0)

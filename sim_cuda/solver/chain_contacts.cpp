@@ -107,7 +107,7 @@ void ChainContacts::list(const Pair* ids, const Colouring& colouring, const Step
 
 template <class Real>
 void ChainContacts::list_moving(const MovingContacts<Real>& contacts, const Colouring& colouring) {
-  executor_.run("bounce", ItemCount(member_count_.data(), static_cast<std::int64_t>(members_.size())),
+  executor_.run("solve", ItemCount(member_count_.data(), static_cast<std::int64_t>(members_.size())),
                 ListMoving<Real>{contacts, colouring.view(), colouring.degrees().view().count,
                                  members_.data(), view()});
 }

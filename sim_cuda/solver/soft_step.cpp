@@ -6,7 +6,6 @@
 
 #include "sim_cuda/dynamics/awake.h"
 #include "sim_cuda/solver/chain_passes.h"
-#include "sim_cuda/solver/impact_sweeps.h"
 #include "sim_cuda/solver/soft_begin.h"
 #include "sim_cuda/solver/soft_iteration.h"
 #include "sim_cuda/solver/soft_prepare.h"
@@ -46,16 +45,7 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       contact_inertia_(executor, "contact inertias"),
       uncoloured_change_(executor, "split impulses"),
       uncoloured_friction_(executor, "split friction"),
-      impact_sweeps_(executor, "impact sweep flags"),
-      struck_(executor, "struck bodies"),
-      struck_contacts_(executor, "contacts of struck bodies"),
-      last_sweep_sizes_(executor, "sizes of the last sweeps"),
-      last_sweep_bodies_(executor, "bodies of the last sweeps"),
-      last_sweep_next_(executor, "bodies of the next sweep"),
-      last_sweep_places_(executor, "contacts of the last sweeps"),
-      last_sweep_listed_(executor, "listed contacts"),
-      driven_(executor, "bodies hit by heavy ones"),
-      supported_(executor, "bodies with impulses of the ground"),
+      impacts_(executor, scene),
       planes_(executor, scene),
       rolling_(executor),
       kinematic_(executor, scene.bodies, scene.kinematic, scene.control),
@@ -65,12 +55,6 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
       sleeping_(executor),
       residuals_(executor),
       cache_(executor, scene.body_count, scene.effects.friction) {
-  impact_sweeps_.upload(std::vector<std::uint32_t>(max_impact_sweeps + 2, 0));
-  if (executor.on_device()) {
-    last_sweep_sizes_.upload(std::vector<std::uint32_t>(max_impact_sweeps, 0));
-    last_sweep_bodies_.resize_discarding(static_cast<std::size_t>(scene.body_count));
-    last_sweep_next_.resize_discarding(static_cast<std::size_t>(scene.body_count));
-  }
   if (!coloured) {
     split_begin_.upload(std::vector<std::uint32_t>(Colouring::colours + 1, 0));
     split_count_.upload(std::vector<std::uint32_t>(Colouring::colours + 1, 0));
@@ -83,11 +67,6 @@ SoftStepSolver<Real>::SoftStepSolver(Executor& executor, const SolverScene<Real>
   if (scene.effects.rolling_resistance)
     rolling_.enable(scene.bodies, scene.body_count, scene.surfaces(), scene.rolling, scene.control);
   if (scene.effects.continuous_collision) continuous_.enable(scene.bodies, scene.body_count, scene.control);
-  struck_.resize_discarding(static_cast<std::size_t>(scene.body_count));
-  driven_.resize_discarding(static_cast<std::size_t>(scene.body_count));
-  supported_.resize_discarding(static_cast<std::size_t>(scene.body_count));
-  driven_.fill_zero();
-  supported_.fill_zero();
   step_bodies_.resize_discarding(static_cast<std::size_t>(scene.body_count));
   if (scene.effects.friction) body_friction_.resize_discarding(static_cast<std::size_t>(scene.body_count));
 }
@@ -99,6 +78,7 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   colouring_.reserve(scene_.body_count, contact_capacity);
   if (scene_.limits_recovery()) chains_.reserve(scene_.body_count, contact_capacity);
   all_.reserve(scene_.body_count, contact_capacity);
+  impacts_.reserve(contact_capacity);
   uncoloured_degrees_.reserve(scene_.body_count, contact_capacity);
   uncoloured_.reserve(scene_.body_count, contact_capacity);
   if (!coloured_) {
@@ -113,14 +93,6 @@ void SoftStepSolver<Real>::reserve(std::int64_t contact_capacity) {
   soft_.resize_discarding(m);
   sums_.resize_discarding(m);
   uncoloured_change_.resize_discarding(m);
-  if (executor_.on_device()) {
-    last_sweep_places_.resize_discarding(m);
-    last_sweep_listed_.resize_discarding(m / 32 + 1);
-    last_sweep_listed_.fill_zero();
-  } else {
-    struck_contacts_.resize_discarding(m);
-    struck_contacts_.fill_zero();
-  }
   cache_.reserve(contact_capacity);
   if (scene_.effects.rolling_resistance) rolling_.reserve(contact_capacity, cache_.capacity());
   if (!scene_.effects.friction) return;
@@ -143,7 +115,9 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
   begin_step(contacts);
   for (int substep = 0; substep < scene_.substeps; ++substep) {
     executor_.begin_substep(substep);
-    resolve_impacts<with_friction>();
+    impacts_.template resolve<with_friction>(ordered_contacts<with_friction>(true), planes_,
+                                             all_.view(colouring_.degrees()), sleeping_.asleep(),
+                                             chains_.view().count);
     begin_substep<with_friction>();
     solve<with_friction>(substep);
     move();
@@ -179,70 +153,6 @@ void SoftStepSolver<Real>::begin_step(const ContactView<Real>& contacts) {
   if (scene_.effects.continuous_collision) continuous_.begin(scene_.time_step, scene_.acceleration_margin);
 }
 
-/// Resolves impacts that happen in the substep, with friction.
-template <class Real>
-template <bool with_friction>
-void SoftStepSolver<Real>::resolve_impacts() {
-  if (scene_.effects.attractor)
-    executor_.run("attractor", scene_.body_count,
-                  EvaluateField<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
-  ImpactLaw<Real> law{scene_.restitution, scene_.gravity, scene_.effects.attractor ? scene_.field : nullptr,
-                      h_, 0};
-  if (law.field == nullptr) law.slow = law.rest_speed(scene_.gravity);
-  const StruckMarks struck{struck_.data(), struck_contacts_.data(), all_.view(colouring_.degrees()),
-                           scene_.control};
-  const ShockMarks shocks{driven_.data(), supported_.data()};
-  LastSweepLists last;
-  if (executor_.on_device())
-    last = {last_sweep_sizes_.data(), last_sweep_bodies_.data(), last_sweep_next_.data(),
-            last_sweep_places_.data(), last_sweep_listed_.data()};
-  const auto with = [&]<bool with_box_obstacles, bool unequal_moments>() {
-    using Sweeps = ImpactSweeps<Real, with_friction, with_box_obstacles, unequal_moments>;
-    using Contacts = typename Sweeps::Contacts;
-    std::uint32_t* const needed = impact_sweeps_.data();
-    const OrderedContacts<Real, with_friction> contacts = ordered_contacts<with_friction>(true);
-    const std::int64_t items = std::max(scene_.body_count, contact_capacity_);
-    Sweeps sweeps{
-        Contacts{contacts, scene_.bodies, {law, nullptr, struck, shocks, scene_.static_impulses, 0}},
-        planes_.template view<with_friction, with_box_obstacles>(softness_.inverse_h),
-        needed,
-        sleeping_.asleep(),
-        scene_.control,
-        0,
-        last};
-    // On a GPU, sweeps over contacts without barriers are faster. Sweeps with barriers read less of contacts
-    // at rest, which matters where memory is the limit.
-    const int without_barriers = scene_.body_count > 200'000 ? 0 : 3;
-    if (executor_.on_device() && Contacts::sync_free_rounds > 0)
-      for (; sweeps.first < without_barriers; ++sweeps.first) {
-        const auto now = static_cast<std::uint8_t>(sweeps.first + 2);
-        executor_.run("bounce", scene_.body_count, FirstRound<Sweeps>{sweeps});
-        executor_.run_rounds("bounce", Contacts::rounds, std::min(contact_capacity_, scene_.body_count / 2),
-                             Contacts{contacts,
-                                      scene_.bodies,
-                                      {law, needed + sweeps.first + 1, struck, shocks, scene_.static_impulses,
-                                       now, needed + sweeps.first}});
-      }
-    executor_.run_rounds("bounce", sweeps.rounds(), items, sweeps);
-  };
-  with_moments<with_friction>([&]<bool unequal_moments>() {
-    // For unequal moments there is one version, with boxes: each takes long to compile.
-    if (unequal_moments || scene_.boxes.count > 0)
-      with.template operator()<true, unequal_moments>();
-    else if constexpr (!unequal_moments)
-      with.template operator()<false, false>();
-  });
-  executor_.run("bounce", 1,
-                EndImpacts{impact_sweeps_.data(), last, struck, chains_.view().count, scene_.control});
-  if (scene_.limits_recovery()) {
-    const std::uint32_t* const moving = impact_sweeps_.data() + max_impact_sweeps + 1;
-    chains_.list_moving<Real>(
-        {ordered_contacts_.data(), soft_.data(), all_.view(colouring_.degrees()), struck_.data(), moving,
-         closing_gap(scene_.acceleration_margin, scene_.substeps)},
-        colouring_);
-  }
-}
-
 /// Applies gravity, attractors, drag and warm starting. Solves the planes once.
 template <class Real>
 template <bool with_friction>
@@ -261,13 +171,17 @@ void SoftStepSolver<Real>::begin_substep() {
 template <class Real>
 template <bool with_friction>
 void SoftStepSolver<Real>::solve(int substep) {
+  const Real gap = closing_gap(scene_.acceleration_margin, scene_.substeps);
+  if (scene_.limits_recovery())
+    chains_.list_moving<Real>({ordered_contacts_.data(), soft_.data(), all_.view(colouring_.degrees()),
+                               impacts_.struck(), impacts_.any_moving(), gap},
+                              colouring_);
   record_iteration<with_friction>(substep, true, 0);
   for (int iteration = 1; iteration <= scene_.iterations; ++iteration) {
     if (scene_.effects.joints) scene_.joints->solve();
     for (int pass = 1; pass <= passes_; ++pass) {
       const bool first = iteration == 1 && pass == 1,
                  last = iteration == scene_.iterations && pass == passes_;
-      const Real gap = closing_gap(scene_.acceleration_margin, scene_.substeps);
       if (first)
         iterate_chains<with_friction>("solve", Solve<Real>{softness_, gap, false, false}, WallPass::solve);
       iterate("solve", Solve<Real>{softness_, gap, first, last});
@@ -442,7 +356,7 @@ void SoftStepSolver<Real>::iterate_chains(const char* stage, const Act& act, Wal
       Passes{{ordered_contacts<Act::has_friction>(true), scene_.bodies, {act}},
              Walls{planes_.template view<with_friction, true>(softness_.inverse_h), pass, scene_.control},
              chains_.view(),
-             struck_.data()});
+             impacts_.struck()});
 }
 
 /// Records the residual after an iteration of solve (`soft`) or relax. `iteration` 0: before the first one.

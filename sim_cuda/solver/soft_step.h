@@ -26,6 +26,7 @@
 #include "sim_cuda/solver/energy_guard.h"
 #include "sim_cuda/solver/free_integrator.h"
 #include "sim_cuda/solver/friction_constraint.h"
+#include "sim_cuda/solver/impact_stage.h"
 #include "sim_cuda/solver/plane_contacts.h"
 #include "sim_cuda/solver/residuals.h"
 #include "sim_cuda/solver/sleeping.h"
@@ -67,8 +68,6 @@ class SoftStepSolver final : public ContactSolver<Real> {
   template <bool with_friction>
   void advance(const ContactView<Real>& contacts, Real* impulses);
   void begin_step(const ContactView<Real>& contacts);
-  template <bool with_friction>
-  void resolve_impacts();
   template <bool with_friction>
   void begin_substep();
   template <bool with_friction>
@@ -133,14 +132,9 @@ class SoftStepSolver final : public ContactSolver<Real> {
   Buffer<ContactSums<Real>> sums_;
   Buffer<FrictionSums<Real>> friction_sums_;  ///< empty without friction
   Buffer<ContactInertia<Real>> contact_inertia_;
-  Buffer<Real> uncoloured_change_;                 ///< N s
-  Buffer<Vector3<Real>> uncoloured_friction_;      ///< N s
-  Buffer<std::uint32_t> impact_sweeps_;            ///< see ImpactSweeps::needed
-  Buffer<std::uint8_t> struck_, struck_contacts_;  ///< see StruckMarks
-  /// See LastSweepLists; empty on the CPU.
-  Buffer<std::uint32_t> last_sweep_sizes_, last_sweep_bodies_, last_sweep_next_, last_sweep_places_,
-      last_sweep_listed_;
-  Buffer<std::uint8_t> driven_, supported_;  ///< see ShockMarks
+  Buffer<Real> uncoloured_change_;             ///< N s
+  Buffer<Vector3<Real>> uncoloured_friction_;  ///< N s
+  ImpactStage<Real> impacts_;
   PlaneContacts<Real> planes_;
   RollingResistance<Real> rolling_;
   KinematicMotion<Real> kinematic_;
