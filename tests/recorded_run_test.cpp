@@ -166,7 +166,8 @@ TEST_P(RecordedRuns, AreNotWrittenHalf) {
   cancellation.clear();
   EXPECT_EQ(folder_.files(), 0u);
   EXPECT_THAT([&] { write_run(folder_ / "none" / "run.recording", live.timeline(), {}, live.world()); },
-              testing::ThrowsMessage<InputError>(HasSubstr("run.recording")));
+              testing::ThrowsMessage<FileWriteError>(HasSubstr("run.recording")));
+  EXPECT_THROW(write_run("/dev/full", live.timeline(), {}, live.world()), FileWriteError);
   std::filesystem::create_directory(folder_ / "run.recording");
   std::filesystem::create_directory(folder_ / "run.recording" / "not empty");
   EXPECT_THROW(write(live), MachineError);

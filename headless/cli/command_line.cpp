@@ -274,6 +274,9 @@ void check_files(const CLI::App& app, const CommandLine& line, std::vector<std::
       add(flag.name, app.get_option(flag.name)->results()[0]);
 }
 
+constexpr const char* expected_commands =
+    ", expected run, replay, capture, compare, bvh, bench, accuracy, stability, tune, validate";
+
 /// `app` is the whole program and `selected` the part that is the command.
 CommandLine parse_command(CLI::App& app, CLI::App& selected, const CommandInfo& command,
                           const std::vector<std::string>& arguments, std::span<const Suite> suites) {
@@ -336,12 +339,18 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments, std::s
   const auto command = std::ranges::find(commands(), first, &CommandInfo::name);
   if (command != commands().end())
     return parse_command(app, *app.get_subcommand(first), *command, arguments, suites);
+  if (first == "help" && arguments.size() > 2)
+    throw InputError(shown(arguments[2]) + ": unexpected argument; usage: help [COMMAND]");
+  if (first == "help" && arguments.size() > 1) {
+    if (std::ranges::find(commands(), arguments[1], &CommandInfo::name) == commands().end())
+      throw InputError("help " + shown(arguments[1]) + ": unknown command" + expected_commands);
+    return parse_command_line({arguments[1], "--help"}, suites);
+  }
   CommandLine answer;
   answer.text = first == "help" ? help_of(app) : parse(app, {first});
   if (answer.text.empty())
     throw InputError((first.empty() ? "missing command" : shown(first) + ": unknown command") +
-                     ", expected run, replay, capture, compare, bvh, bench, accuracy, stability, tune, "
-                     "validate or --help");
+                     expected_commands + " or --help");
   return answer;
 }
 

@@ -78,13 +78,21 @@ std::string reference_table(std::string_view topic) {
 }
 
 std::optional<std::string> markdown_help(const std::vector<std::string>& arguments) {
-  if (arguments.size() == 3 && arguments[0] == "help" && arguments[1] == "--man")
-    return man_page(arguments[2]);
-  if (arguments.size() == 2 && arguments[0] == "help" && arguments[1] == "--completion")
+  if (arguments.size() < 2 || arguments[0] != "help") return std::nullopt;
+  const auto allow = [&](std::size_t most, const char* usage) {
+    if (arguments.size() > most)
+      throw InputError(shown(arguments[most]) + ": unexpected argument; usage: help " + usage);
+  };
+  if (arguments[1] == "--man") {
+    allow(3, "--man PROGRAM");
+    return man_page(arguments.size() == 3 ? arguments[2] : "");
+  }
+  if (arguments[1] == "--completion") {
+    allow(2, "--completion");
     return bash_completion();
-  if (arguments.size() < 2 || arguments[0] != "help" || arguments[1] != "--markdown") return std::nullopt;
-  if (arguments.size() > 3)
-    throw InputError(shown(arguments[3]) + ": unexpected argument; usage: help --markdown [TOPIC]");
+  }
+  if (arguments[1] != "--markdown") return std::nullopt;
+  allow(3, "--markdown [TOPIC]");
   if (arguments.size() == 3) return reference_table(arguments[2]);
   std::string names;
   for (const ReferenceTopic& topic : reference_topics()) names += std::string(topic.name) + '\n';

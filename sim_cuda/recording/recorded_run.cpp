@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <utility>
@@ -20,29 +19,6 @@ namespace collidoscope {
 namespace {
 
 using RunEvent = RecordingReader::Event;
-
-/// Deletes the file of a recording that is not complete.
-class PartialFile {
- public:
-  explicit PartialFile(std::string file) : file_(std::move(file)) {}
-  ~PartialFile() {
-    std::error_code ignored;
-    if (!committed_) std::filesystem::remove(name(), ignored);
-  }
-  PartialFile(const PartialFile&) = delete;
-  PartialFile& operator=(const PartialFile&) = delete;
-  std::string name() const { return file_ + ".part"; }
-  void commit() {
-    std::error_code failed;
-    std::filesystem::rename(name(), file_, failed);
-    if (failed) throw FileWriteError(file_, failed.message());
-    committed_ = true;
-  }
-
- private:
-  std::string file_;
-  bool committed_ = false;
-};
 
 /// Whether a change is part of a state of the same number. Bodies that guards froze in the step after the
 /// state are not.
@@ -157,30 +133,28 @@ RecordedRun read_run(const RecordingReader& recording) { return RunReader(record
 
 void write_run(const std::string& file, const Timeline& timeline, const std::vector<Change>& changes,
                World& world) {
-  PartialFile part(file);
-  {
-    RecordingWriter writer(part.name());
-    write_meta_chunk(writer, world);
-    RunWriter run(writer, timeline);
-    auto change = std::ranges::upper_bound(changes, timeline.first(), {}, &Change::step);
-    for (const Timeline::Keyframe& keyframe : timeline.keyframes()) {
-      if (const Cancellation* asked = world.options().cancellation; asked && asked->requested())
-        throw Cancelled();
-      RunState state = keyframe.kept->state.state();
-      for (; change != changes.end() && change->step <= state.steps; ++change) {
-        if (change->step == state.steps && !is_in(state, *change)) break;
-        if (change->physical()) run.write(*change);
-      }
-      run.write(*keyframe.kept, std::move(state));
-    }
-    for (; change != changes.end(); ++change)
+  AtomicFile target(file);
+  RecordingWriter writer(target);
+  write_meta_chunk(writer, world);
+  RunWriter run(writer, timeline);
+  auto change = std::ranges::upper_bound(changes, timeline.first(), {}, &Change::step);
+  for (const Timeline::Keyframe& keyframe : timeline.keyframes()) {
+    if (const Cancellation* asked = world.options().cancellation; asked && asked->requested())
+      throw Cancelled();
+    RunState state = keyframe.kept->state.state();
+    for (; change != changes.end() && change->step <= state.steps; ++change) {
+      if (change->step == state.steps && !is_in(state, *change)) break;
       if (change->physical()) run.write(*change);
-    run.write_hashes_up_to(timeline.last());
-    if (world.steps() == timeline.last() && timeline.keyframes().back().state() != timeline.last())
-      write_keyframe_chunk(writer, snapshot_of(world));
-    writer.write(chunk_types::end, "");
+    }
+    run.write(*keyframe.kept, std::move(state));
   }
-  part.commit();
+  for (; change != changes.end(); ++change)
+    if (change->physical()) run.write(*change);
+  run.write_hashes_up_to(timeline.last());
+  if (world.steps() == timeline.last() && timeline.keyframes().back().state() != timeline.last())
+    write_keyframe_chunk(writer, snapshot_of(world));
+  writer.write(chunk_types::end, "");
+  target.commit();
 }
 
 }  // namespace collidoscope

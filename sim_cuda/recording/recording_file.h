@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim_cuda/core/atomic_file.h"
 #include "sim_cuda/core/state_hashes.h"
 #include "sim_cuda/snapshot/snapshot.h"
 
@@ -40,6 +41,8 @@ class RecordingWriter {
  public:
   /// Replaces an existing file. Throws InputError if the file cannot be created.
   explicit RecordingWriter(const std::string& file);
+  /// Writes to `target`, which must outlive the writer, and does not commit it.
+  explicit RecordingWriter(AtomicFile& target);
 
   using Sink = std::function<void(std::string_view)>;
   /// `write_payload` passes the payload to the sink, in pieces.
@@ -47,13 +50,16 @@ class RecordingWriter {
   void write(const ChunkType& type, std::string_view payload);
 
  private:
+  void begin();
   void put(const void* data, std::size_t bytes);
   void seek(std::uint64_t to);
   void flush();
   [[noreturn]] void fail() const;
 
   std::string name_;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream_{nullptr, &std::fclose};
+  AtomicFile* target_ = nullptr;  ///< owns `stream_`, if not null
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> owned_{nullptr, &std::fclose};
+  std::FILE* stream_ = nullptr;
   std::uint64_t end_ = 0;  ///< end of the last complete chunk
 };
 
