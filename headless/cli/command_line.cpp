@@ -274,8 +274,11 @@ void check_files(const CLI::App& app, const CommandLine& line, std::vector<std::
       add(flag.name, app.get_option(flag.name)->results()[0]);
 }
 
-constexpr const char* expected_commands =
-    ", expected run, replay, capture, compare, bvh, bench, accuracy, stability, tune, validate";
+std::string expected_commands() {
+  std::vector<std::string_view> names;
+  for (const CommandInfo& command : commands()) names.emplace_back(command.name);
+  return fmt::format(", expected {}", fmt::join(names, ", "));
+}
 
 /// `app` is the whole program and `selected` the part that is the command.
 CommandLine parse_command(CLI::App& app, CLI::App& selected, const CommandInfo& command,
@@ -343,14 +346,14 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments, std::s
     throw InputError(shown(arguments[2]) + ": unexpected argument; usage: help [COMMAND]");
   if (first == "help" && arguments.size() > 1) {
     if (std::ranges::find(commands(), arguments[1], &CommandInfo::name) == commands().end())
-      throw InputError("help " + shown(arguments[1]) + ": unknown command" + expected_commands);
+      throw InputError("help " + shown(arguments[1]) + ": unknown command" + expected_commands());
     return parse_command_line({arguments[1], "--help"}, suites);
   }
   CommandLine answer;
   answer.text = first == "help" ? help_of(app) : parse(app, {first});
   if (answer.text.empty())
     throw InputError((first.empty() ? "missing command" : shown(first) + ": unknown command") +
-                     expected_commands + " or --help");
+                     expected_commands() + " or --help");
   return answer;
 }
 

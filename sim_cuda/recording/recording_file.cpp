@@ -75,13 +75,15 @@ RecordingWriter::RecordingWriter(const std::string& file) : name_(file) {
   if (std::filesystem::exists(file, failed) && !std::filesystem::is_regular_file(file, failed))
     throw InputError(file + ": is not a regular file, expected a file name for the recording");
   errno = 0;
-  owned_.reset(std::fopen(file.c_str(), "wb"));
-  if (!owned_) throw InputError(file + ": cannot be written (" + system_reason() + ")");
-  stream_ = owned_.get();
+  stream_.reset(std::fopen(file.c_str(), "wb"));
+  if (!stream_) throw InputError(file + ": cannot be written (" + system_reason() + ")");
   begin();
 }
 
-RecordingWriter::RecordingWriter(AtomicFile& target) : target_(&target), stream_(target.stream()) { begin(); }
+RecordingWriter::RecordingWriter(AtomicFile& target)
+    : target_(&target), stream_(target.stream(), [](std::FILE*) { return 0; }) {
+  begin();
+}
 
 void RecordingWriter::begin() {
   const FileHeader header;
@@ -137,15 +139,15 @@ void RecordingWriter::write(const ChunkType& type, std::string_view payload) {
 
 void RecordingWriter::put(const void* data, std::size_t bytes) {
   errno = 0;
-  if (std::fwrite(data, 1, bytes, stream_) != bytes) fail();
+  if (std::fwrite(data, 1, bytes, stream_.get()) != bytes) fail();
 }
 void RecordingWriter::seek(std::uint64_t to) {
   errno = 0;
-  if (std::fseek(stream_, static_cast<long>(to), SEEK_SET) != 0) fail();
+  if (std::fseek(stream_.get(), static_cast<long>(to), SEEK_SET) != 0) fail();
 }
 void RecordingWriter::flush() {
   errno = 0;
-  if (std::fflush(stream_) != 0) fail();
+  if (std::fflush(stream_.get()) != 0) fail();
 }
 void RecordingWriter::fail() const {
   if (target_ != nullptr) target_->fail();

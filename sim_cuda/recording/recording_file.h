@@ -57,9 +57,8 @@ class RecordingWriter {
   [[noreturn]] void fail() const;
 
   std::string name_;
-  AtomicFile* target_ = nullptr;  ///< owns `stream_`, if not null
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> owned_{nullptr, &std::fclose};
-  std::FILE* stream_ = nullptr;
+  AtomicFile* target_ = nullptr;  ///< closes `stream_`, if not null
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream_{nullptr, &std::fclose};
   std::uint64_t end_ = 0;  ///< end of the last complete chunk
 };
 

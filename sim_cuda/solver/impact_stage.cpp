@@ -1,6 +1,7 @@
 #include "sim_cuda/solver/impact_stage.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "sim_cuda/solver/impact_sweeps.h"
 
@@ -58,9 +59,6 @@ template <bool with_friction>
 void ImpactStage<Real>::resolve(const OrderedContacts<Real, with_friction>& contacts,
                                 const PlaneContacts<Real>& planes, const ContactsByBodyView& by_body,
                                 const std::uint8_t* asleep, std::uint32_t* chain_counts) {
-  if (scene_.effects.attractor)
-    executor_.run("attractor", scene_.body_count,
-                  EvaluateField<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
   ImpactLaw<Real> law{scene_.restitution, scene_.gravity, scene_.effects.attractor ? scene_.field : nullptr,
                       h_, 0};
   if (law.field == nullptr) law.slow = law.rest_speed(scene_.gravity);

@@ -1,6 +1,6 @@
 #pragma once
-// The stage of impacts, at the start of each substep (impact.h, impact_sweeps.h). Owns the marks and lists of
-// its sweeps.
+// The impacts at the start of each substep (impact.h, impact_sweeps.h), timed as the stage `bounce`. Owns the
+// marks and lists of its sweeps.
 
 #include <cstdint>
 
@@ -20,7 +20,8 @@ class ImpactStage {
   void reserve(std::int64_t contact_capacity);
 
   /// Resolves impacts that happen in the substep, with friction. `by_body`: places of all contacts. `asleep`:
-  /// by body, or null. `chain_counts`: ChainView::count, which becomes 0; or null.
+  /// by body, or null. `chain_counts`: ChainView::count, which becomes 0; or null. Precondition: the field of
+  /// attractors is that of the current positions.
   template <bool with_friction>
   void resolve(const OrderedContacts<Real, with_friction>& contacts, const PlaneContacts<Real>& planes,
                const ContactsByBodyView& by_body, const std::uint8_t* asleep, std::uint32_t* chain_counts);

@@ -115,6 +115,9 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
   begin_step(contacts);
   for (int substep = 0; substep < scene_.substeps; ++substep) {
     executor_.begin_substep(substep);
+    if (scene_.effects.attractor)
+      executor_.run("attractor", scene_.body_count,
+                    EvaluateField<Real>{scene_.attractors, scene_.bodies.position, scene_.field});
     impacts_.template resolve<with_friction>(ordered_contacts<with_friction>(true), planes_,
                                              all_.view(colouring_.degrees()), sleeping_.asleep(),
                                              chains_.view().count);
