@@ -142,22 +142,9 @@ void visit_parts(Archive& archive, State& state) {
   archive.value(state.steps);
   archive.value(state.settings);
   archive.value(state.time);
-  archive.list(state.bodies.position);
-  archive.list(state.bodies.velocity);
-  archive.list(state.bodies.angular_velocity);
-  archive.list(state.bodies.orientation);
-  archive.list(state.static_impulses);
+  visit_lists(archive, state);
   archive.list(state.frozen);
-  auto& warm_start = state.warm_start;
-  archive.list(warm_start.contacts);
-  archive.lists(warm_start.walls);
-  archive.list(warm_start.friction);
-  archive.list(warm_start.wall_friction);
-  archive.list(warm_start.rolling);
-  archive.list(warm_start.wall_rolling);
-  archive.list(warm_start.sleep_timer);
-  archive.list(warm_start.joints);
-  archive.list(warm_start.loop_energies);
+  archive.list(state.warm_start.loop_energies);
 }
 
 }  // namespace

@@ -25,6 +25,30 @@ struct RunState {
   double time = 0;
 };
 
+/// Calls archive.list() or archive.lists() with each list of a state that files have had since version 1 of
+/// snapshots, in file order. Not visited: `frozen` and `warm_start.loop_energies`.
+template <class Archive, class State>
+void visit_lists(Archive& archive, State& state) {
+  // A member that is missing here is a compile error.
+  auto& [steps, bodies, static_impulses, warm_start, settings, frozen, time] = state;
+  auto& [position, velocity, angular_velocity, orientation] = bodies;
+  auto& [contacts, walls, friction, wall_friction, rolling, wall_rolling, sleep_timer, joints,
+         loop_energies] = warm_start;
+  archive.list(position);
+  archive.list(velocity);
+  archive.list(angular_velocity);
+  archive.list(orientation);
+  archive.list(static_impulses);
+  archive.list(contacts);
+  archive.lists(walls);
+  archive.list(friction);
+  archive.list(wall_friction);
+  archive.list(rolling);
+  archive.list(wall_rolling);
+  archive.list(sleep_timer);
+  archive.list(joints);
+}
+
 /// A RunState whose arrays have been copied to the host, and are still to be widened.
 struct CopiedRunState {
   RunState known;

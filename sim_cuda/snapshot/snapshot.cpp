@@ -26,7 +26,6 @@ static_assert(std::endian::native == std::endian::little,
               "files contain values in little-endian byte order, as in memory");
 static_assert(sizeof(Vector3d) == 24 && sizeof(Quaterniond) == 32 && sizeof(StaticImpulse) == 40 &&
               sizeof(ContactImpulse) == 16 && sizeof(WarmStartJoint) == 72);
-static_assert(sizeof(WarmStart) == 9 * sizeof(std::vector<int>), "visit() must cover all members");
 
 constexpr std::size_t word = Fingerprint::word;
 constexpr std::size_t padded(std::size_t bytes) { return (bytes + word - 1) / word * word; }
@@ -42,30 +41,18 @@ static_assert(sizeof(Header) == 40);
 /// Visits the members of a snapshot in file order, for reading and writing.
 template <class Archive, class SnapshotOrConst>
 void visit(Archive& archive, std::string& scene, std::string& directory, SnapshotOrConst& snapshot) {
-  auto& [steps, bodies, static_impulses, warm_start, settings, frozen, time] = snapshot.state;
+  auto& state = snapshot.state;
   archive.text(scene);
   archive.text(directory);
-  archive.number(steps);
-  archive.number(settings);
+  archive.number(state.steps);
+  archive.number(state.settings);
   archive.number(snapshot.state_hash);
   archive.number(snapshot.bodies_hash);
-  archive.list(bodies.position);
-  archive.list(bodies.velocity);
-  archive.list(bodies.angular_velocity);
-  archive.list(bodies.orientation);
-  archive.list(static_impulses);
-  archive.list(warm_start.contacts);
-  archive.lists(warm_start.walls);
-  archive.list(warm_start.friction);
-  archive.list(warm_start.wall_friction);
-  archive.list(warm_start.rolling);
-  archive.list(warm_start.wall_rolling);
-  archive.list(warm_start.sleep_timer);
-  archive.list(warm_start.joints);
-  if (archive.version() >= 2) archive.list(frozen);
-  if (archive.version() >= 3) archive.number(time);
+  visit_lists(archive, state);
+  if (archive.version() >= 2) archive.list(state.frozen);
+  if (archive.version() >= 3) archive.number(state.time);
   if (archive.version() >= 4) archive.number(snapshot.physics_version);
-  if (archive.version() >= 5) archive.list(warm_start.loop_energies);
+  if (archive.version() >= 5) archive.list(state.warm_start.loop_energies);
 }
 
 constexpr const char* what_writes_one = "\"collidoscope-headless run SCENE --save FILE\" writes one";

@@ -40,11 +40,11 @@
 
 #include "sim_cuda/core/atomics.h"
 #include "sim_cuda/core/step_control.h"
+#include "sim_cuda/dynamics/body_state.h"
 #include "sim_cuda/solver/contacts_by_body.h"
 #include "sim_cuda/solver/restitution.h"
 #include "sim_cuda/solver/shock.h"
 #include "sim_cuda/solver/soft_iteration.h"
-#include "sim_cuda/solver/soft_walls.h"
 
 namespace collidoscope {
 

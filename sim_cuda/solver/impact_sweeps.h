@@ -15,6 +15,7 @@
 #include "sim_cuda/solver/colouring.h"
 #include "sim_cuda/solver/impact.h"
 #include "sim_cuda/solver/last_impact_sweeps.h"
+#include "sim_cuda/solver/plane_impacts.h"
 
 namespace collidoscope {
 
@@ -134,12 +135,11 @@ struct ImpactSweeps {
     if (sweep == 0) walls.clear_bounced(id);
     if (!(v.dot(v) > limit * limit)) return;
     typename SoftWalls<Real, with_friction, with_box_obstacles>::Body body = walls.load_motion(id);
-    if (!walls.may_bounce(body, law, pull, rest)) return;
+    const PlaneImpacts<Real, with_friction, with_box_obstacles> impacts{walls, law, pull, rest};
+    if (!impacts.may_bounce(body)) return;
     walls.load_rest(id, body);
     const bool may_shift = control->contacts == 0 || struck.contacts_of.count[id] == 0;
-    if (!walls.template resolve_impacts<unequal_moments>(id, body, law, pull, rest, growth, may_shift,
-                                                         driven))
-      return;
+    if (!impacts.template resolve<unequal_moments>(id, body, growth, may_shift, driven)) return;
     walls.store(id, body);
     struck.set(static_cast<std::uint32_t>(id), static_cast<std::uint8_t>(sweep + 2));
     shocks.support(static_cast<std::uint32_t>(id), sweep);

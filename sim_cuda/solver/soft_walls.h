@@ -1,12 +1,11 @@
 #pragma once
-// More than 400 lines: impacts and iterations share the state of a body at its planes.
-//
 // Plane contacts of `soft_step`. Each body solves its own planes in order: half-space obstacles, box faces
 // of the scene, box obstacles. A box obstacle acts as one plane per body and substep (box_surface.h).
 // Planes are rigid: overlap is removed at once, and no substep ends with a body inside a plane. A view;
 // does not own memory.
 //
-// Impacts are resolved at the start of a substep, before all forces (impact.h). The iterations are inelastic.
+// Impacts are resolved at the start of a substep, before all forces (plane_impacts.h). The iterations are
+// inelastic.
 //
 // Most bodies touch no plane. Plane data are read only if a bit of `active_mask` is set, and the remaining
 // body data only if a plane may act.
@@ -25,9 +24,6 @@
 #include "sim_cuda/solver/walls.h"
 
 namespace collidoscope {
-
-template <class Real>
-struct ImpactLaw;
 
 /// Iterations over planes and boxes before and after the move. After it, speculative planes without impulse
 /// stay inactive. `relax` stops bodies that have closed a gap in the substep, which ends the load of the
@@ -265,9 +261,7 @@ struct SoftWalls {
     }
   }
 
-  // ---- impacts ----
-
-  /// Call for each body at the start of a substep, before resolve_impacts().
+  /// Call for each body at the start of a substep, before its impacts.
   SIM_HD void clear_bounced(int id) const {
     if (bounced_mask[id] != 0) bounced_mask[id] = 0;
   }
@@ -277,94 +271,6 @@ struct SoftWalls {
     if (p >= plane_mask_bits || (bounced_mask[id] >> p & 1) == 0) return false;
     return body.v.dot(body.v) > body.radius * inverse_h * body.radius * inverse_h;
   }
-  /// Surface p for an impact. Boxes: the plane that the body touches, or meets along its way, m.
-  SIM_HD decltype(auto) impact_plane(int p, [[maybe_unused]] const Body& body,
-                                     [[maybe_unused]] const Vector3<Real>& way) const {
-    if constexpr (with_box_obstacles) {
-      if (p >= plane_count) {
-        const BoxSurface<Real>& box = boxes.view.boxes[p - plane_count];
-        const ContactPlane<Real> met = box.gap(body.x, body.radius) > 0
-                                           ? box.first_plane_on_path(body.x, way, body.radius)
-                                           : box.contact_plane_at(body.x);
-        return WallPlane<Real>{met.normal, met.offset, box.restitution, box.friction};
-      }
-      return WallPlane<Real>(planes[p]);
-    } else {
-      return (planes[p]);
-    }
-  }
-  /// True if the body meets the surface within the law's time, at more than `rest` (m/s). `pull`:
-  /// acceleration, m/s^2. In free flight, or in a step of Euler's method if other impulses act.
-  SIM_HD static bool meets(const WallPlane<Real>& surface, const Body& body, const ImpactLaw<Real>& law,
-                           const Vector3<Real>& pull, Real rest) {
-    const Real approach = -surface.normal.dot(body.v);
-    if (!(approach > rest)) return false;
-    const Real gap = max_of(surface.normal.dot(body.x) - surface.offset - body.radius, Real(0));
-    const Real acceleration = -surface.normal.dot(pull);
-    return gap < law.reach_time() * (approach + law.h * max_of(acceleration / 2, acceleration));
-  }
-  /// False if resolve_impacts() would do nothing. Needs only load_motion().
-  SIM_HD bool may_bounce(const Body& body, const ImpactLaw<Real>& law, const Vector3<Real>& pull,
-                         Real rest) const {
-    bool any = with_box_obstacles;
-    const Real time = Real(1.0001) * law.reach_time();  // more than in meets(), for rounding
-    const Vector3<Real> way = time * (body.v.cwiseAbs() + law.h * pull.cwiseAbs());
-    if (!any && clear.contains(body.x, body.radius, way)) return false;
-    for (int p = 0; p < plane_count && !any; ++p) any = meets(planes[p], body, law, pull, rest);
-    return any;
-  }
-  /// One sweep over the planes of a body. Returns true if the body got an impulse. `pull`: acceleration,
-  /// m/s^2. `rest`: speed of slow impacts, m/s (ImpactLaw); `growth`: its factor if the body rebounds.
-  /// `may_shift`: the body has no contacts, so an impact may move it to the surface (impact.h). `driven`: see
-  /// ShockMarks.
-  template <bool unequal_moments>
-  SIM_HD bool resolve_impacts(int id, Body& body, const ImpactLaw<Real>& law, const Vector3<Real>& pull,
-                              Real rest, Real growth, bool may_shift, bool driven) const {
-    bool any = false;
-    for (int p = 0; p < count(); ++p) {
-      const WallPlane<Real>& surface = impact_plane(p, body, law.reach_time() * (body.v + law.h * pull));
-      if (!meets(surface, body, law, pull, rest)) continue;
-      const Vector3<Real> normal = surface.normal;
-      const Real approach = -normal.dot(body.v), acceleration = -normal.dot(pull);
-      const Real gap = max_of(normal.dot(body.x) - surface.offset - body.radius, Real(0));
-      using std::sqrt;
-      const Real speed = sqrt(body.v.dot(body.v));
-      const std::int64_t here = index(p, id);
-      const Real load = is_active(body, p) ? impulse[here] : Real(0);
-      const Real load_speed = driven && !with_friction ? Real(0) : load * body.inverse_mass;
-      if (!(approach > law.threshold(rest, speed, load_speed))) continue;
-      if (ends_at_plane(id, body, p)) continue;
-      const Real arrival = sqrt(max_of(approach * approach + 2 * acceleration * gap, Real(0)));
-      const Real e = law.restitution.between(law.restitution.of_body(static_cast<std::uint32_t>(id)),
-                                             surface.restitution, arrival);
-      if (e > 0 && !(approach > law.threshold(growth * rest, speed, load_speed))) continue;
-      Real separation = may_shift && e < 1 ? Real(0) : law.separation(approach, gap, acceleration, e);
-      if (!(e > 0)) {
-        separation = -gap / law.h;
-        // At this speed, a fast body would pass the edge of a box before it touches.
-        const bool is_fast = speed > body.radius * inverse_h;
-        if (may_shift || (is_fast && p >= plane_count)) continue;
-        if (!(approach + separation > rest + law.rounding * speed)) continue;
-      } else if (!(separation > 0)) {
-        separation = e * arrival;
-        body.x -= gap * normal;
-        body.moved = true;
-      }
-      if (e > 0 && p < plane_mask_bits) bounced_mask[id] |= std::uint32_t{1} << p;
-      const bool leaves = e > 0 && is_active(body, p);
-      const Real change = body.mass * (approach + separation);
-      apply_normal_impulse(id, body, normal, change);
-      if (leaves) impulse[here] = 0;
-      if constexpr (with_friction) {
-        if (leaves) friction.impulse[here] = Vector3<Real>::Zero();
-        Vector3<Real> sum = Vector3<Real>::Zero();
-        apply_plane_friction<unequal_moments>(id, body, normal, change, sum, surface.friction);
-      }
-      any = true;
-    }
-    return any;
-  }
-
   /// Stops a body at plane p that has closed a gap in the substep, with friction. Its impulses are no loads.
   template <bool unequal_moments>
   SIM_HD void stop_at_plane(int id, Body& body, int p, const WallPlane<Real>& surface, Real change) const {
