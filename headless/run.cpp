@@ -115,9 +115,9 @@ std::string scene_to_write(const Scene& scene, const std::string& file) try {
 }
 
 std::string trace_row(const StepStats& s) {
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", s.step, s.kinetic_energy, s.potential_energy,
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", s.step, s.kinetic_energy, s.potential_energy,
                      s.push_work, s.energy(), s.pairs, s.touching, s.speculative, s.uncoloured_contacts,
-                     s.max_penetration, s.escaped);
+                     s.bounce_cap, s.max_penetration, s.escaped);
 }
 
 /// Wall-clock and simulated seconds of stepping, and the reason of an early end.
@@ -264,7 +264,8 @@ int run_command(const CommandLine& line) {
 
   const StepStats initial = world.measure();
   std::string trace =
-      "step,kinetic,potential,push_work,total,pairs,touching,speculative,uncoloured_contacts,max_penetration,"
+      "step,kinetic,potential,push_work,total,pairs,touching,speculative,uncoloured_contacts,bounce_cap,max_"
+      "penetration,"
       "escaped\n" +
       trace_row(initial);
   const std::int64_t recorded = replay.end() ? replay.end()->step - world.steps() : 300;

@@ -141,6 +141,29 @@ TEST_P(Changes, FreezeBodiesWhereTheyAre) {
   EXPECT_NE(world.bodies().position[2], before.position[2]);
 }
 
+/// They have impulses of rolling resistance when they are frozen.
+TEST_P(Changes, FrozenBodiesThatRolledStayFinite) {
+  for (const Solver solver : {Solver::soft_step, Solver::jacobi_split})
+    for (const Precision precision : {Precision::f32, Precision::f64}) {
+      Scene scene = empty_space();
+      scene.physics.solver = solver;
+      scene.physics.precision = precision;
+      scene.physics.gravity = Vector3d(1, 0, -9.81);
+      scene.materials[0] = {.restitution = 0, .friction = 0.5, .rolling_resistance = 0.1};
+      scene.obstacles = {Plane{}};
+      for (int k = 0; k < 3; ++k) scene.bodies.push_back(sphere(0.5, Vector3d(0.01 * k, 0, 0.5 + 0.99 * k)));
+      World world = replayed(scene, R"({"format": "collidoscope-changes", "version": 1, "changes": [
+        {"step": 10, "freeze": [0, 1]}]})",
+                             options(), 40);
+      EXPECT_EQ(world.measure().non_finite, 0);
+      for (const std::size_t body : {0u, 1u}) {
+        EXPECT_EQ(world.bodies().velocity[body], Vector3d(0, 0, 0));
+        EXPECT_EQ(world.bodies().angular_velocity[body], Vector3d(0, 0, 0));
+      }
+      EXPECT_LT(world.bodies().position[2].z(), 2.4) << "it rolls off";
+    }
+}
+
 TEST_P(Changes, ASnapshotBetweenThemGoesOn) {
   World expected = replayed(crowd(), script, options(), script_steps);
   const ChangeList list = parse_changes(script, "script", crowd(), options(), 0);

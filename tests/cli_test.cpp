@@ -169,9 +169,10 @@ TEST(Cli, TheFilesOfARunAgreeWithItsReport) {
   }
 
   const auto energy = numbers_of_csv(folder / "energy.csv", header);
-  EXPECT_EQ(header,
-            "step,kinetic,potential,push_work,total,pairs,touching,speculative,uncoloured_contacts,max_"
-            "penetration,escaped");
+  EXPECT_EQ(
+      header,
+      "step,kinetic,potential,push_work,total,pairs,touching,speculative,uncoloured_contacts,bounce_cap,"
+      "max_penetration,escaped");
   ASSERT_EQ(energy.size(), 10u);  // states 0 to 9
   EXPECT_EQ(energy.front()[4], report["energy"]["initial"].get<double>());
   EXPECT_EQ(energy.back()[4], report["energy"]["final"].get<double>());

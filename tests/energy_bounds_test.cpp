@@ -86,6 +86,19 @@ TEST_P(EnergyBounds, TumblingBodiesWithRollingResistance) {
   check_contacts(8, 3, [](Uniform& uniform) { return tumbling_pile(uniform, rolling_pile); });
 }
 
+/// Continuous collision shortens their ways.
+TEST_P(EnergyBounds, FastBodies) {
+  const auto fast = [](Uniform& uniform) {
+    Scene scene = any_gas(uniform);
+    scene.physics.gravity = Vector3d(0, 0, -g);
+    scene.physics.substeps = 1;
+    for (Body& body : scene.bodies) body.velocity = uniform(10, 40) * random_direction(uniform);
+    return scene;
+  };
+  check(10, 2, contact_bound, fast,
+        {.solvers = {Solver::soft_step, Solver::jacobi_split}, .rates = {10, 30}});
+}
+
 TEST_P(EnergyBounds, InitialOverlap) {
   check_contacts(12, 2,
                  [](Uniform& uniform) {

@@ -15,7 +15,8 @@
 //     both displacements are scaled by the same fraction, at which the spheres touch. A clamped body may
 //     obstruct a third one. Clamping therefore repeats until a round clamps nothing, at most `rounds` times.
 //
-// A clamped body keeps its velocity: it loses time, but no momentum and no angular momentum. (Compare Catto,
+// A clamped body keeps its velocity: it loses time, but no momentum and no angular momentum. The potential
+// energy of the way that it loses is added to StaticImpulse::push_work. (Compare Catto,
 // "Continuous Collision", GDC 2013, which stops bodies at their time of impact with static bodies.) Kinematic
 // bodies are never clamped. Planes and boxes stop bodies separately (solver/soft_walls.h).
 
@@ -58,8 +59,14 @@ struct DisplacementLimit {
 template <class Real>
 struct ClampedMotion {
   const DisplacementLimit<Real>* limit = nullptr;  ///< null: the effect is off
-  const std::uint32_t* fraction = nullptr;  ///< bits of a float from 0 to 1; bits compare like the numbers
+  const std::uint32_t* fraction = nullptr;   ///< bits of a float from 0 to 1; bits compare like the numbers
+  StaticImpulse* static_impulses = nullptr;  ///< by body; null without gravity, attractors and planes
+  const Vector3<Real>* field = nullptr;      ///< acceleration by attractors, m/s^2; null without them
 
+  /// Acceleration by gravity and attractors, m/s^2.
+  SIM_HD Vector3<Real> pull(int body, const Vector3<Real>& gravity) const {
+    return field != nullptr ? Vector3<Real>(gravity + field[body]) : gravity;
+  }
   /// Displacement in `h` s without contact clamping, m: along the velocity, up to the displacement limit.
   SIM_HD Vector3<Real> displacement(int body, const Vector3<Real>& x, const Vector3<Real>& v, Real h) const {
     const Vector3<Real> path = h * v, off = x - limit[body].start, end = off + path;

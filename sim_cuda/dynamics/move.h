@@ -40,10 +40,15 @@ struct MoveBodies {
     }
     const Vector3<Real> x = bodies.position[body];
     Vector3<Real> next;
-    if (motion.limit != nullptr)
-      next = x + motion.clamped_displacement(body, x, v, h);
-    else
+    if (motion.limit != nullptr) {
+      const Vector3<Real> way = motion.clamped_displacement(body, x, v, h), lost = h * v - way;
+      next = x + way;
+      if (motion.static_impulses != nullptr && lost.dot(lost) > 0)
+        motion.static_impulses[body].push_work +=
+            static_cast<double>(bodies.mass[body] * motion.pull(body, acceleration).dot(lost));
+    } else {
       next = x + h * v;
+    }
     if (with_container) {
       // The walls have already stopped bodies that would leave. This clamps the rounding error of a sphere
       // smaller than that error.

@@ -9,14 +9,18 @@
 
 namespace collidoscope {
 
+/// Whether joined() ignores component k of `low`.
+SIM_HD inline bool is_ignored(const Vector3<float>& high, const Vector3<float>& low, int k) {
+  return !(static_cast<float>(static_cast<double>(high[k]) + static_cast<double>(low[k])) == high[k]);
+}
+
 /// The sum of `high` and `low`, per component. A component of `low` belongs to another `high`, and is
 /// ignored, if the sum does not round to `high`.
 SIM_HD inline Vector3d joined(const Vector3<float>& high, const Vector3<float>& low) {
   Vector3d sum;
   for (int k = 0; k < 3; ++k) {
     const double part = static_cast<double>(high[k]);
-    sum[k] = part + static_cast<double>(low[k]);
-    if (!(static_cast<float>(sum[k]) == high[k])) sum[k] = part;
+    sum[k] = is_ignored(high, low, k) ? part : part + static_cast<double>(low[k]);
   }
   return sum;
 }

@@ -159,9 +159,9 @@ inline constexpr auto joint_fields = std::tuple{
                                        limits::max_coordinate, "no limit"),
     detail::number<&Joint::max_length>("max_length", "distance, instead of `length`: largest length (a rope)",
                                        "m", limits::min_radius, limits::max_coordinate, "no limit"),
-    detail::number<&Joint::frequency>("frequency",
-                                      "spring: undamped frequency with the effective mass of its two anchors",
-                                      "Hz", limits::min_frequency, limits::max_frequency),
+    detail::number<&Joint::frequency>(
+        "frequency", "spring: undamped frequency with the effective mass of its two anchors at the start",
+        "Hz", limits::min_frequency, limits::max_frequency),
     detail::number<&Joint::damping_ratio>("damping_ratio", "spring: damping ratio; 1 is critical damping", "",
                                           0, limits::max_damping_ratio),
     detail::direction<&Joint::axis>("axis", "hinge: axis in the body axes of a, normalised on reading"),

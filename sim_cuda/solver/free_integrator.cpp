@@ -177,6 +177,20 @@ struct RotateBodies {
   }
 };
 
+/// Clears parts that belong to another angular velocity. Otherwise such a part could fit again in a later
+/// step, but it is not part of a snapshot.
+struct ClearIgnoredParts {
+  const PackedVector3<float>* angular_velocity;
+  Vector3<float>* low;
+  const StepControl* control;
+  SIM_HD void operator()(int body) const {
+    if (control->overflow) return;
+    const Vector3<float> high = angular_velocity[body], part = low[body];
+    for (int k = 0; k < 3; ++k)
+      if (part[k] != 0 && is_ignored(high, part, k)) low[body][k] = 0;
+  }
+};
+
 }  // namespace
 
 template <class Real>
@@ -236,7 +250,9 @@ void FreeIntegrator<Real>::integrate(Real h, bool forces_applied, PackedVector3<
 
 template <class Real>
 void FreeIntegrator<Real>::move(Real h, bool forces_applied, const std::uint8_t* asleep,
-                                const ClampedMotion<Real>& clamped) {
+                                ClampedMotion<Real> clamped) {
+  clamped.static_impulses = scene_.static_impulses;
+  clamped.field = scene_.effects.attractor ? scene_.field : nullptr;
   Effects move_effects = scene_.effects;
   if (forces_applied || has_drift_velocity()) move_effects.gravity = false;  // already in the velocities
   move_bodies<Real>(executor_, bodies_with_drift_velocity(), scene_.body_count, move_effects, scene_.gravity,
@@ -246,6 +262,15 @@ void FreeIntegrator<Real>::move(Real h, bool forces_applied, const std::uint8_t*
   run_awake_bodies(executor_, "turn", scene_.body_count, asleep,
                    RotateBodies<Real>{scene_.bodies, h, scene_.rotation_update, parts, members(),
                                       scene_.angular_velocity_low, scene_.control});
+}
+
+template <class Real>
+void FreeIntegrator<Real>::end_step() {
+  if constexpr (sizeof(Real) == sizeof(float))
+    if (scene_.unequal_moments)
+      executor_.run(
+          "keep", scene_.body_count,
+          ClearIgnoredParts{scene_.bodies.angular_velocity, scene_.angular_velocity_low, scene_.control});
 }
 
 template class FreeIntegrator<float>;

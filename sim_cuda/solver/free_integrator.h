@@ -56,7 +56,10 @@ class FreeIntegrator {
   /// Moves and rotates awake bodies for `h` s along the drift velocity, limited by `clamped`.
   /// `forces_applied`: see integrate().
   void move(Real h, bool forces_applied, const std::uint8_t* asleep = nullptr,
-            const ClampedMotion<Real>& clamped = {});
+            ClampedMotion<Real> clamped = {});
+  /// Clears parts of angular velocities that are not part of the state (wide_spin.h). Call at the end of a
+  /// step in which contacts or joints may have changed angular velocities.
+  void end_step();
 
  private:
   /// True if the drift velocity may differ from the final velocity. With continuous collision, the ways of

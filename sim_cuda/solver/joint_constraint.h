@@ -141,7 +141,9 @@ struct JointConstraint {
     }
     Real change = 0;
     if (joint.low == joint.high) {
-      change = bilateral_impulse<phase>(length - joint.low, speed, mass, accumulated.linear.x());
+      Real error = length - joint.low;
+      if (joint.start_inverse_mass > 0) error *= inverse_mass / joint.start_inverse_mass;
+      change = bilateral_impulse<phase>(error, speed, mass, accumulated.linear.x());
       accumulated.linear.x() += change;
     } else {
       if (joint.low > 0)

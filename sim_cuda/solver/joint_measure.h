@@ -46,13 +46,8 @@ SIM_HD JointSums measure_joint(const BodyView<Real>& bodies, const JointRow<Real
   if (joint.kind == JointKind::distance) {
     sums.error = static_cast<double>(max_of(Real(0), max_of(joint.low - length, length - joint.high)));
   } else if (joint.kind == JointKind::spring) {
-    const Vector3<Real> normal =
-        length > 0 ? Vector3<Real>(ends.separation / length) : Vector3<Real>(0, 0, 1);
-    const Real inverse_mass =
-        ends.a.inverse_effective_mass(normal, ends.a.arm) + ends.b.inverse_effective_mass(normal, ends.b.arm);
     const auto stretch = static_cast<double>(length - joint.low);
-    if (inverse_mass > 0)
-      sums.energy = static_cast<double>(joint.spring / inverse_mass) * stretch * stretch / 2;
+    sums.energy = static_cast<double>(joint.spring) * stretch * stretch / 2;
   } else {
     sums.error = static_cast<double>(length);
   }

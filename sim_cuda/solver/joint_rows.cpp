@@ -16,14 +16,46 @@ constexpr double alone_spring_factor = 0.95, coupled_spring_factor = 0.9;
 
 constexpr double full_turn = 6.283185307179586;
 
-/// Phase angle of a spring per substep, rad. `joint_count`: largest number of joints at one of its bodies.
-/// See joint_constraint.h.
-double spring_angle(const PlacedJoint& joint, std::uint32_t joint_count, double h) {
-  return std::min(full_turn * joint.frequency * h, 1 / std::sqrt(joint_count));
+/// Inverse effective masses of both anchors of a spring, against an impulse along it, 1/kg. Not included: the
+/// part `linear`.
+struct TurningMass {
+  double start = 0;  ///< by rotation, at time zero
+  double most = 0;   ///< by rotation, largest in any direction
+};
+
+TurningMass turning_mass(const PlacedJoint& joint, const InitialBodies& bodies,
+                         const std::vector<bool>& moves) {
+  const auto axes_of = [&](std::uint32_t body) {
+    return bodies.orientation.empty() ? Quaterniond(1, 0, 0, 0) : bodies.orientation[body];
+  };
+  const auto place_of = [&](std::uint32_t body, const Vector3d& anchor) {
+    return body == PlacedJoint::world ? anchor : Vector3d(bodies.position[body] + axes_of(body) * anchor);
+  };
+  const Vector3d apart = place_of(joint.b, joint.anchor_b) - place_of(joint.a, joint.anchor_a);
+  const double length = std::sqrt(apart.dot(apart));
+  const Vector3d along = length > 0 ? Vector3d(apart / length) : Vector3d(0, 0, 1);
+  TurningMass sum;
+  const auto add = [&](std::uint32_t body, const Vector3d& anchor) {
+    if (body == PlacedJoint::world || !moves[body]) return;
+    const double sphere = 0.4 * bodies.mass[body] * bodies.radius[body] * bodies.radius[body];
+    const Vector3d inertia = bodies.inertia.empty() ? Vector3d(sphere, sphere, sphere) : bodies.inertia[body];
+    const Vector3d moment = anchor.cross(axes_of(body).conjugate() * along);
+    for (int k = 0; k < 3; ++k) sum.start += moment[k] * moment[k] / inertia[k];
+    sum.most += anchor.dot(anchor) / inertia.minCoeff();
+  };
+  add(joint.a, joint.anchor_a);
+  add(joint.b, joint.anchor_b);
+  return sum;
 }
 
-JointStiffness<double> spring(const PlacedJoint& joint, std::uint32_t joint_count, double h) {
-  const double angle = spring_angle(joint, joint_count, h), z = joint.damping_ratio;
+/// Phase angle of a spring per substep at time zero, rad. `joint_count`: largest number of joints at one of
+/// its bodies. `ratio`: largest inverse effective mass over that at time zero. See joint_constraint.h.
+double spring_angle(const PlacedJoint& joint, std::uint32_t joint_count, double ratio, double h) {
+  return std::min(full_turn * joint.frequency * h, 1 / std::sqrt(joint_count * ratio));
+}
+
+JointStiffness<double> spring(const PlacedJoint& joint, std::uint32_t joint_count, double angle, double h) {
+  const double z = joint.damping_ratio;
   const double scale = -expm1_series(-2 * z * angle);
   double bias = 0;  // (1 - p1) (1 - p2)
   if (z < 1) {
@@ -38,11 +70,6 @@ JointStiffness<double> spring(const PlacedJoint& joint, std::uint32_t joint_coun
   return {scale, bias / h, 1 - scale, 1 - (1 - factor) * scale};
 }
 
-JointStiffness<double> stiffness(const PlacedJoint& joint, std::uint32_t joint_count, double h) {
-  if (joint.kind == JointKind::spring) return spring(joint, joint_count, h);
-  return {1, error_fraction / h, 0, 1};
-}
-
 /// A unit vector perpendicular to `axis`.
 Vector3d perpendicular_to(const Vector3d& axis) {
   const Vector3d other = std::abs(axis.x()) < 0.6 ? Vector3d(1, 0, 0) : Vector3d(0, 1, 0);
@@ -53,11 +80,25 @@ Vector3d perpendicular_to(const Vector3d& axis) {
 }  // namespace
 
 template <class Real>
-JointRow<Real> row_of(const PlacedJoint& joint, std::uint32_t joint_count, double max_correction_speed,
-                      double h) {
+JointRow<Real> row_of(const PlacedJoint& joint, const InitialBodies& bodies, const std::vector<bool>& moves,
+                      std::uint32_t joint_count, double max_correction_speed, double h) {
   const auto narrow = [](const Vector3d& v) { return Vector3<Real>(v.cast<Real>()); };
-  const JointStiffness<double> s = stiffness(joint, joint_count, h);
   JointRow<Real> row{};
+  JointStiffness<double> s{1, error_fraction / h, 0, 1};
+  if (joint.kind == JointKind::spring) {
+    const auto inverse_mass = [&](std::uint32_t body) {
+      return body != PlacedJoint::world && moves[body] ? 1 / static_cast<Real>(bodies.mass[body]) : Real(0);
+    };
+    const Real linear = inverse_mass(joint.a) + inverse_mass(joint.b);
+    const TurningMass turning = turning_mass(joint, bodies, moves);
+    row.start_inverse_mass = linear + static_cast<Real>(turning.start);
+    const double wide = static_cast<double>(linear);
+    const double ratio = wide > 0 ? (wide + turning.most) / (wide + turning.start) : 1;
+    const double angle = spring_angle(joint, joint_count, ratio, h), frequency = angle / h;  // rad/s
+    s = spring(joint, joint_count, angle, h);
+    if (row.start_inverse_mass > 0)
+      row.spring = static_cast<Real>(frequency * frequency) / row.start_inverse_mass;
+  }
   row.a = joint.a;
   row.b = joint.b;
   row.kind = joint.kind;
@@ -69,8 +110,6 @@ JointRow<Real> row_of(const PlacedJoint& joint, std::uint32_t joint_count, doubl
                    static_cast<Real>(s.impulse_scale), static_cast<Real>(s.warm_start_factor)};
   row.low = static_cast<Real>(joint.low);
   row.high = static_cast<Real>(joint.high);
-  const double frequency = spring_angle(joint, joint_count, h) / h;
-  row.spring = joint.kind == JointKind::spring ? static_cast<Real>(frequency * frequency) : Real(0);
   row.axis_a = narrow(joint.axis);
   row.axis_b = narrow(joint.start.conjugate() * joint.axis);
   row.side = narrow(perpendicular_to(joint.axis));
@@ -113,7 +152,9 @@ std::vector<std::size_t> colours_of(const std::vector<PlacedJoint>& joints, cons
   return colours;
 }
 
-template JointRow<float> row_of(const PlacedJoint&, std::uint32_t, double, double);
-template JointRow<double> row_of(const PlacedJoint&, std::uint32_t, double, double);
+template JointRow<float> row_of(const PlacedJoint&, const InitialBodies&, const std::vector<bool>&,
+                                std::uint32_t, double, double);
+template JointRow<double> row_of(const PlacedJoint&, const InitialBodies&, const std::vector<bool>&,
+                                 std::uint32_t, double, double);
 
 }  // namespace collidoscope

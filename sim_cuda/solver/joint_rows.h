@@ -9,11 +9,11 @@
 
 namespace collidoscope {
 
-/// `joint_count`: largest number of joints at one of the bodies. `max_correction_speed` in m/s. `h`: substep,
-/// s.
+/// `bodies`: at time zero. `moves`: by body, true if dynamic. `joint_count`: largest number of joints at one
+/// of the bodies. `max_correction_speed` in m/s. `h`: substep, s.
 template <class Real>
-JointRow<Real> row_of(const PlacedJoint& joint, std::uint32_t joint_count, double max_correction_speed,
-                      double h);
+JointRow<Real> row_of(const PlacedJoint& joint, const InitialBodies& bodies, const std::vector<bool>& moves,
+                      std::uint32_t joint_count, double max_correction_speed, double h);
 
 /// Colour of each joint that is not in a tree, first fit in scene order; 0 for all others. `moves`: by body,
 /// true if dynamic.

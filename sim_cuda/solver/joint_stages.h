@@ -95,14 +95,12 @@ struct AddSpringPushWork : JointRounds<Real> {
     using std::sqrt;
     const Real length = sqrt(ends.separation.dot(ends.separation));
     if (!(length > 0)) return;
-    const Vector3<Real> normal = ends.separation / length, other = ends.separation - moved;
-    const Real inverse_mass =
-        ends.a.inverse_effective_mass(normal, ends.a.arm) + ends.b.inverse_effective_mass(normal, ends.b.arm);
-    if (!(inverse_mass > 0)) return;
+    const Vector3<Real> other = ends.separation - moved;
+    if (!(joint.spring > 0)) return;
     const auto stretch = static_cast<double>(length - joint.low),
                before = static_cast<double>(Real(sqrt(other.dot(other))) - joint.low);
     static_impulses[ends.a.inverse_mass > 0 ? joint.a : joint.b].push_work +=
-        static_cast<double>(joint.spring / inverse_mass) * (stretch * stretch - before * before) / 2;
+        static_cast<double>(joint.spring) * (stretch * stretch - before * before) / 2;
   }
 };
 

@@ -14,7 +14,8 @@ namespace collidoscope {
 enum class JointPhase { solve, correct, relax };
 
 /// Softness of a joint with error C (m) in solve. The accumulated impulse p changes by -mass (mass_scale
-/// speed + bias_rate C) - impulse_scale p. Rigid: 1, 1/h, 0.
+/// speed + bias_rate C) - impulse_scale p. Rigid: 1, 1/h, 0. For a spring, C is multiplied by the effective
+/// mass at time zero over the present one, so that its stiffness is constant.
 template <class Real>
 struct JointStiffness {
   Real mass_scale;
@@ -35,8 +36,9 @@ struct JointRow {
   JointStiffness<Real> stiffness;
   Real max_correction_speed;                       ///< upper limit of the correction speed, m/s
   static constexpr Real max_correction_rate = 50;  ///< upper limit of the axis correction, rad/s
-  Real low, high;  ///< allowed distance, m; equal for a rod and for a spring's rest length
-  Real spring;     ///< stiffness over effective mass, 1/s^2
+  Real low, high;           ///< allowed distance, m; equal for a rod and for a spring's rest length
+  Real spring;              ///< stiffness, N/m, of a spring; else 0
+  Real start_inverse_mass;  ///< 1/kg, of a spring: sum of its anchors' inverse effective masses at time zero
   Vector3<Real> axis_a, axis_b, side;  ///< of a hinge, in principal axes; side: perpendicular to a's axis
   Quaternion<Real> start;              ///< rotation from b's to a's principal axes at hinge angle 0
   Real low_cosine, low_sine, high_cosine, high_sine;  ///< of half the limit angles

@@ -86,7 +86,8 @@ Joints<Real>::Joints(Executor& executor, const std::vector<PlacedJoint>& joints,
     });
     each_body(joints[k], [&](std::uint32_t body) { joint_count = std::max(joint_count, joints_of[body]); });
     const std::size_t place = next[trees_.in_tree[k] ? static_cast<std::size_t>(colours_) : colours[k]]++;
-    rows[place] = row_of<Real>(joints[k], joint_count, max_correction_speed, static_cast<double>(h));
+    rows[place] =
+        row_of<Real>(joints[k], initial, moves, joint_count, max_correction_speed, static_cast<double>(h));
     scene_order_.push_back(place);
   }
   std::vector<Pair> excluded_pairs;

@@ -94,9 +94,10 @@ struct SolveRollingContacts {
     const AngularState<Real> angular_a = AngularState<Real>::of(bodies, a),
                              angular_b = AngularState<Real>::of(bodies, b);
     const Vector3<Real> velocity = angular_b.velocity - angular_a.velocity;
-    const Real inertia = 1 / (n_a * angular_a.inverse_inertia_along(velocity) +
-                              n_b * angular_b.inverse_inertia_along(velocity));
-    change[place] = solve_friction<Real>(velocity, inertia, limit, rolling_impulse.impulse);
+    const Real inverse_inertia =
+        n_a * angular_a.inverse_inertia_along(velocity) + n_b * angular_b.inverse_inertia_along(velocity);
+    if (!(inverse_inertia > 0)) return;  // frozen bodies keep their impulses
+    change[place] = solve_friction<Real>(velocity, 1 / inverse_inertia, limit, rolling_impulse.impulse);
     rolling[place] = rolling_impulse;
   }
 };
@@ -114,7 +115,7 @@ struct SolveRollingBodies {
   const StepControl* control;
 
   SIM_HD void operator()(int body) const {
-    if (control->overflow) return;
+    if (control->overflow || !(bodies.inverse_mass[body] > 0)) return;  // frozen bodies keep their impulses
     const auto id = static_cast<std::uint32_t>(body);
     AngularState<Real> angular = AngularState<Real>::of(bodies, id);
     if (control->contacts > 0)

@@ -141,6 +141,7 @@ void SoftStepSolver<Real>::advance(const ContactView<Real>& contacts, Real* impu
       [&]<bool with_box_obstacles>(const SoftWalls<Real, with_friction, with_box_obstacles>& walls) {
         run_bodies("keep", EndWalls<Real, with_friction, with_box_obstacles>{walls, scene_.control});
       });
+  free_integrator_.end_step();
   end_step(contacts, impulses);
 }
 
