@@ -86,7 +86,7 @@ TEST_P(EnergyBounds, TumblingBodiesWithRollingResistance) {
   check_contacts(8, 3, [](Uniform& uniform) { return tumbling_pile(uniform, rolling_pile); });
 }
 
-/// Continuous collision shortens their ways.
+/// Continuous collision shortens their ways. Without its part of push_work, one of 20 scenes fails.
 TEST_P(EnergyBounds, FastBodies) {
   const auto fast = [](Uniform& uniform) {
     Scene scene = any_gas(uniform);
@@ -95,7 +95,7 @@ TEST_P(EnergyBounds, FastBodies) {
     for (Body& body : scene.bodies) body.velocity = uniform(10, 40) * random_direction(uniform);
     return scene;
   };
-  check(10, 2, contact_bound, fast,
+  check(40, 2, contact_bound, fast,
         {.solvers = {Solver::soft_step, Solver::jacobi_split}, .rates = {10, 30}});
 }
 
