@@ -264,9 +264,8 @@ int run_command(const CommandLine& line) {
 
   const StepStats initial = world.measure();
   std::string trace =
-      "step,kinetic,potential,push_work,total,pairs,touching,speculative,uncoloured_contacts,bounce_cap,max_"
-      "penetration,"
-      "escaped\n" +
+      "step,kinetic,potential,push_work,total,pairs,touching,speculative,uncoloured_contacts,bounce_cap,"
+      "max_penetration,escaped\n" +
       trace_row(initial);
   const std::int64_t recorded = replay.end() ? replay.end()->step - world.steps() : 300;
   Breaks breaks(options.breaks, initial);

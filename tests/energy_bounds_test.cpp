@@ -86,17 +86,20 @@ TEST_P(EnergyBounds, TumblingBodiesWithRollingResistance) {
   check_contacts(8, 3, [](Uniform& uniform) { return tumbling_pile(uniform, rolling_pile); });
 }
 
-/// Continuous collision shortens their ways. Without its part of push_work, one of 20 scenes fails.
+/// Few small bodies, whose ways continuous collision shortens. Without its part of push_work, E rises.
 TEST_P(EnergyBounds, FastBodies) {
   const auto fast = [](Uniform& uniform) {
     Scene scene = any_gas(uniform);
+    scene.bodies.resize(12);
     scene.physics.gravity = Vector3d(0, 0, -g);
     scene.physics.substeps = 1;
-    for (Body& body : scene.bodies) body.velocity = uniform(10, 40) * random_direction(uniform);
+    for (Body& body : scene.bodies) {
+      body.radius = 0.2;
+      body.velocity = uniform(5, 20) * random_direction(uniform);
+    }
     return scene;
   };
-  check(40, 2, contact_bound, fast,
-        {.solvers = {Solver::soft_step, Solver::jacobi_split}, .rates = {10, 30}});
+  check(40, 4, contact_bound, fast, {.solvers = {Solver::soft_step, Solver::jacobi_split}, .rates = {10}});
 }
 
 TEST_P(EnergyBounds, InitialOverlap) {

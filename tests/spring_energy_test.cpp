@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tests/executors.h"
 #include "tests/impact_scenes.h"
@@ -84,7 +85,7 @@ TEST_P(SpringEnergy, OfATurnedBodyIsThatOfItsStretch) {
   const BodyStates now = world.bodies();
   const Vector3d anchor = now.position[0] + now.orientation[0] * joint.anchor_a;
   const double stretch = (anchor - *joint.anchor_b).norm() - 20.5;
-  const double angular_frequency = 2 * 3.14159265358979 * joint.frequency;
+  const double angular_frequency = 2 * std::numbers::pi * joint.frequency;
   ASSERT_GT(std::abs(stretch), 0.3);
   EXPECT_NEAR(world.measure().potential_energy,
               2 * angular_frequency * angular_frequency * stretch * stretch / 2, 1e-9);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sim_cuda/core/series.h"
+#include "sim_cuda/scene/mass_properties.h"
 
 namespace collidoscope {
 namespace {
@@ -16,15 +17,14 @@ constexpr double alone_spring_factor = 0.95, coupled_spring_factor = 0.9;
 
 constexpr double full_turn = 6.283185307179586;
 
-/// Inverse effective masses of both anchors of a spring, against an impulse along it, 1/kg. Not included: the
-/// part `linear`.
-struct TurningMass {
-  double start = 0;  ///< by rotation, at time zero
-  double most = 0;   ///< by rotation, largest in any direction
+/// What the rotation of both bodies adds to the inverse effective mass of a spring, 1/kg.
+struct RotationalInverseMass {
+  double start = 0;  ///< at time zero
+  double most = 0;   ///< largest in any orientation
 };
 
-TurningMass turning_mass(const PlacedJoint& joint, const InitialBodies& bodies,
-                         const std::vector<bool>& moves) {
+RotationalInverseMass rotational_inverse_mass(const PlacedJoint& joint, const InitialBodies& bodies,
+                                              const std::vector<bool>& moves) {
   const auto axes_of = [&](std::uint32_t body) {
     return bodies.orientation.empty() ? Quaterniond(1, 0, 0, 0) : bodies.orientation[body];
   };
@@ -34,11 +34,11 @@ TurningMass turning_mass(const PlacedJoint& joint, const InitialBodies& bodies,
   const Vector3d apart = place_of(joint.b, joint.anchor_b) - place_of(joint.a, joint.anchor_a);
   const double length = std::sqrt(apart.dot(apart));
   const Vector3d along = length > 0 ? Vector3d(apart / length) : Vector3d(0, 0, 1);
-  TurningMass sum;
+  RotationalInverseMass sum;
   const auto add = [&](std::uint32_t body, const Vector3d& anchor) {
     if (body == PlacedJoint::world || !moves[body]) return;
-    const double sphere = 0.4 * bodies.mass[body] * bodies.radius[body] * bodies.radius[body];
-    const Vector3d inertia = bodies.inertia.empty() ? Vector3d(sphere, sphere, sphere) : bodies.inertia[body];
+    const Vector3d inertia = bodies.inertia.empty() ? sphere_inertia(bodies.mass[body], bodies.radius[body])
+                                                    : bodies.inertia[body];
     const Vector3d moment = anchor.cross(axes_of(body).conjugate() * along);
     for (int k = 0; k < 3; ++k) sum.start += moment[k] * moment[k] / inertia[k];
     sum.most += anchor.dot(anchor) / inertia.minCoeff();
@@ -90,10 +90,10 @@ JointRow<Real> row_of(const PlacedJoint& joint, const InitialBodies& bodies, con
       return body != PlacedJoint::world && moves[body] ? 1 / static_cast<Real>(bodies.mass[body]) : Real(0);
     };
     const Real linear = inverse_mass(joint.a) + inverse_mass(joint.b);
-    const TurningMass turning = turning_mass(joint, bodies, moves);
-    row.start_inverse_mass = linear + static_cast<Real>(turning.start);
+    const RotationalInverseMass rotational = rotational_inverse_mass(joint, bodies, moves);
+    row.start_inverse_mass = linear + static_cast<Real>(rotational.start);
     const double wide = static_cast<double>(linear);
-    const double ratio = wide > 0 ? (wide + turning.most) / (wide + turning.start) : 1;
+    const double ratio = wide > 0 ? (wide + rotational.most) / (wide + rotational.start) : 1;
     const double angle = spring_angle(joint, joint_count, ratio, h), frequency = angle / h;  // rad/s
     s = spring(joint, joint_count, angle, h);
     if (row.start_inverse_mass > 0)
